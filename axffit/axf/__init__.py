@@ -1,0 +1,6 @@
+"""The AxF material, and the reader and writer of .axf files."""
+
+from .material import AxfFile as AxfFile
+from .material import AxfMaterial as AxfMaterial
+from .material import AxfTexture as AxfTexture
+from .material import MaterialKind as MaterialKind
