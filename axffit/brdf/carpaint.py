@@ -1,0 +1,59 @@
+"""AxF's car paint, CarPaint2, below its coat (Rump et al., CGF 27(2), 2008; Rump, Sarlette & Klein, VMV 2009)."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from axffit._types import RGB, Direction, Scalar
+from axffit.brdf.base import AbstractBRDF, as_parameter
+from axffit.brdf.color_table import ColorTable, white_color_table
+from axffit.brdf.cook_torrance import beckmann, v_groove_over_cosines
+from axffit.brdf.geometry import HalfGeometry, half_angles, half_geometry
+from axffit.numerics import power5, safe_atan2
+
+MAX_LOBES = 4
+
+
+class CarPaint(AbstractBRDF):
+    """The base of a car paint: brightness times color, all directions below the coat.
+
+        f = chi(theta_h, theta_d) b
+        b = a / pi + sum_k s_k / pi · D_k(h) F_k(<h,o>) G / (i_z o_z)
+
+    D_k, G of Cook-Torrance with spread alpha_k, F_k = F0_k + (1 - F0_k)(1 - <h,o>)⁵. A whole paint is
+    ``ClearCoat(base=CarPaint(...), ior=...)``.
+
+    Attributes:
+        diffuse: a, AxF ``CT_diffuse``, ().
+        coefficients: s_k, AxF ``CT_coeffs``, (K,), 1 <= K <= 4.
+        f0: F0_k, AxF ``CT_F0s``, (K,), in [0, 1].
+        spreads: alpha_k, AxF ``CT_spreads``, (K,), > 0; up to 8 in real paints.
+        color_table: chi, AxF ``BRDFcolors``; white by default.
+    """
+
+    diffuse: Scalar = eqx.field(converter=as_parameter)
+    coefficients: Float[Array, " lobes"] = eqx.field(converter=as_parameter)
+    f0: Float[Array, " lobes"] = eqx.field(converter=as_parameter)
+    spreads: Float[Array, " lobes"] = eqx.field(converter=as_parameter)
+    color_table: ColorTable = eqx.field(default_factory=white_color_table)
+
+    def __check_init__(self):
+        counts = (self.coefficients.shape[-1], self.f0.shape[-1], self.spreads.shape[-1])
+        if len(set(counts)) != 1 or not 1 <= counts[0] <= MAX_LOBES:
+            raise ValueError(
+                f"coefficients, f0 and spreads have {counts[0]}, {counts[1]} and {counts[2]} lobes: "
+                f"give all three the same length, 1 to {MAX_LOBES}"
+            )
+
+    def brightness(self, half: HalfGeometry) -> Scalar:
+        """b, in 1/sr, without the color."""
+        fresnel = self.f0 + (1.0 - self.f0) * power5(half.one_minus_cos_d)
+        lobes = self.coefficients * beckmann(half, self.spreads, self.spreads) * fresnel
+        return (self.diffuse + jnp.sum(lobes) * v_groove_over_cosines(half)) / jnp.pi
+
+    def value(self, wi: Direction, wo: Direction) -> RGB:
+        """chi b."""
+        half = half_geometry(wi, wo)
+        theta_h = safe_atan2(*half_angles(half))
+        theta_d = safe_atan2(half.sin_d, half.cos_d)
+        return self.color_table.lookup(theta_h, theta_d) * self.brightness(half)

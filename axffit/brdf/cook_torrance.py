@@ -1,0 +1,54 @@
+"""Cook and Torrance's lobe: Beckmann facets behind V-grooves."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from axffit._types import RGB, Direction, Scalar
+from axffit.brdf.base import AbstractBRDF, as_parameter
+from axffit.brdf.fresnel import AbstractFresnel, NoFresnel
+from axffit.brdf.geometry import HalfGeometry, half_geometry
+from axffit.brdf.lobe import Normalization, Roughness, alpha_xy, check_normalization, normalization_factor
+
+
+def beckmann(half: HalfGeometry, alpha: Float[Array, "*lobes"], beta: Float[Array, "*lobes"]) -> Float[Array, "*lobes"]:
+    """D = exp(-(h_x²/alpha² + h_y²/beta²) / h_z²) / (alpha beta h_z⁴): Beckmann's density without its 1 / pi."""
+    slope_x, slope_y = half.x / half.z / alpha, half.y / half.z / beta
+    inverse_cosine_square = half.square / (half.z * half.z)
+    gaussian = jnp.exp(-(slope_x * slope_x + slope_y * slope_y))
+    return gaussian / (alpha * beta) * inverse_cosine_square * inverse_cosine_square
+
+
+def v_groove_over_cosines(half: HalfGeometry) -> Scalar:
+    """G / (i_z o_z), G = min(1, 2 h_z o_z / <h,o>, 2 h_z i_z / <h,o>).
+
+    2 h_z / <h,o> = 4 h'_z / <h',h'>, so the lesser of the last two over i_z o_z is 4 h'_z / (<h',h'> max(i_z, o_z)).
+    """
+    shadowed = 4.0 * half.z / (half.square * jnp.maximum(half.i_z, half.o_z))
+    return jnp.minimum(1.0 / (half.i_z * half.o_z), shadowed)
+
+
+class CookTorrance(AbstractBRDF):
+    """Cook & Torrance's lobe (ACM TOG 1(1), 1982) as the AxF SDK documents it.
+
+        f = s / pi · D F G / (i_z o_z)
+
+    with D and G of :func:`beckmann` and :func:`v_groove_over_cosines`; times 1/4 with ``normalization="microfacet"``.
+    ``specular_color`` s (3,), linear RGB; ``roughness`` alpha, shape () or (2,), > 0 (the AxF model is isotropic, two
+    values are the natural extension); ``fresnel`` F at <h, o>.
+    """
+
+    specular_color: RGB = eqx.field(converter=as_parameter)
+    roughness: Roughness = eqx.field(converter=as_parameter)
+    fresnel: AbstractFresnel = NoFresnel()
+    normalization: Normalization = eqx.field(static=True, default="sdk", kw_only=True)
+
+    def __check_init__(self):
+        check_normalization(self.normalization)
+
+    def value(self, wi: Direction, wo: Direction) -> RGB:
+        """The lobe's value."""
+        half = half_geometry(wi, wo)
+        density = beckmann(half, *alpha_xy(self.roughness)) * v_groove_over_cosines(half)
+        scale = normalization_factor(self.normalization) / jnp.pi
+        return self.specular_color * (scale * density * self.fresnel.factor(half.cos_d, half.one_minus_cos_d))

@@ -1,0 +1,52 @@
+"""The GGX lobe: Trowbridge-Reitz facets behind Smith's masking."""
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from axffit._types import RGB, Direction, Scalar
+from axffit.brdf.base import AbstractBRDF, as_parameter
+from axffit.brdf.fresnel import AbstractFresnel, NoFresnel
+from axffit.brdf.geometry import HalfGeometry, half_geometry
+from axffit.brdf.lobe import Normalization, Roughness, alpha_xy, check_normalization, normalization_factor
+
+
+def trowbridge_reitz(half: HalfGeometry, alpha: Scalar, beta: Scalar) -> Scalar:
+    """D = 1 / (alpha beta (h_x²/alpha² + h_y²/beta² + h_z²)²), without its 1 / pi."""
+    x, y = half.x / alpha, half.y / beta
+    stretched = half.square / (x * x + y * y + half.z * half.z)
+    return stretched * stretched / (alpha * beta)
+
+
+def _smith_denominator(v: Direction, v_z: Scalar, alpha: Scalar, beta: Scalar) -> Scalar:
+    """2 v_z / G1(v): v_z + sqrt(v_z² + alpha² v_x² + beta² v_y²)."""
+    x, y = alpha * v[0], beta * v[1]
+    return v_z + jnp.sqrt(v_z * v_z + x * x + y * y)
+
+
+class GGX(AbstractBRDF):
+    """The GGX lobe (Walter et al., EGSR 2007) as the AxF SDK documents it, AxF >= 1.5.
+
+        f = s / pi · D F G1(i) G1(o) / (i_z o_z),   G1(v) = 2 v_z / (v_z + sqrt(v_z² + alpha² v_x² + beta² v_y²))
+
+    with D of :func:`trowbridge_reitz`; times 1/4 with ``normalization="microfacet"``. For alpha = beta, G1 is
+    2 v_z / (v_z + sqrt(alpha² + (1 - alpha²) v_z²)); for two roughnesses it is the roughness projected on the
+    direction's own azimuth (Heitz, JCGT 3(2), 2014). ``specular_color`` s (3,), linear RGB; ``roughness`` alpha, shape
+    () or (2,), > 0: the microfacet roughness itself, not its root; ``fresnel`` F at <h, o>.
+    """
+
+    specular_color: RGB = eqx.field(converter=as_parameter)
+    roughness: Roughness = eqx.field(converter=as_parameter)
+    fresnel: AbstractFresnel = NoFresnel()
+    normalization: Normalization = eqx.field(static=True, default="sdk", kw_only=True)
+
+    def __check_init__(self):
+        check_normalization(self.normalization)
+
+    def value(self, wi: Direction, wo: Direction) -> RGB:
+        """The lobe's value; G / (i_z o_z) = 4 / (the two Smith denominators)."""
+        half = half_geometry(wi, wo)
+        alpha, beta = alpha_xy(self.roughness)
+        masking = 4.0 / (_smith_denominator(wi, half.i_z, alpha, beta) * _smith_denominator(wo, half.o_z, alpha, beta))
+        density = trowbridge_reitz(half, alpha, beta) * masking
+        scale = normalization_factor(self.normalization) / jnp.pi
+        return self.specular_color * (scale * density * self.fresnel.factor(half.cos_d, half.one_minus_cos_d))

@@ -1,0 +1,30 @@
+"""What the specular lobes share: roughness along two axes and the normalization constant."""
+
+from typing import Literal
+
+from jaxtyping import Array, Float
+
+from axffit._types import Scalar
+
+Normalization = Literal["sdk", "microfacet"]
+"""``"sdk"``: Cook-Torrance and GGX as the AxF SDK documents them, without the microfacet 1/4 (directional albedo
+tends to 4); ``"microfacet"``: with it. Converting changes the specular color by 4 and nothing else."""
+
+Roughness = Float[Array, ""] | Float[Array, "2"]
+"""Shape (): isotropic; (2,): along the lobe's x and y axes."""
+
+
+def alpha_xy(roughness: Roughness) -> tuple[Scalar, Scalar]:
+    """Roughness along x and along y."""
+    return (roughness, roughness) if roughness.ndim == 0 else (roughness[0], roughness[1])
+
+
+def normalization_factor(normalization: Normalization) -> float:
+    """1 for ``"sdk"``, 1/4 for ``"microfacet"``."""
+    return {"sdk": 1.0, "microfacet": 0.25}[normalization]
+
+
+def check_normalization(normalization: str) -> None:
+    """Raise ``ValueError`` unless ``normalization`` is known."""
+    if normalization not in ("sdk", "microfacet"):
+        raise ValueError(f"normalization={normalization!r}: use 'sdk' (as AxF documents its lobes) or 'microfacet'")
