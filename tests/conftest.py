@@ -23,8 +23,8 @@ if "JAX_COMPILATION_CACHE_DIR" not in os.environ:
 jax.config.update("jax_persistent_cache_min_compile_time_secs", 0)
 jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
 
-# Derandomized, so that a change that broke nothing turns nothing red; `all` (make test-all) looks ten times as
-# far. A deadline and "too slow" would measure JAX's first compilation, not the test.
+# Derandomized, so that a change that broke nothing turns nothing red; `all` (make test-all) looks ten times
+# as far. A deadline and "too slow" would measure JAX's first compilation, not the test.
 _COMMON: dict[str, Any] = {
     "derandomize": True,
     "database": None,
@@ -37,7 +37,7 @@ settings.load_profile(os.environ.get("AXFFIT_HYPOTHESIS_PROFILE", "ci"))
 
 
 def find_reference_data(*parts: str) -> Path:
-    """Path of a file or folder of the reference data, e.g. ``("nist_ptfe", "ptfe.csv")``.
+    """Path of a file or folder of the reference data, e.g. ``("nist_ptfe", "SOURCE.md")``.
 
     The data are no part of the project. They are looked for in the folder AXFFIT_REFERENCE_DATA, else in
     ``../shared/data`` beside the project. A missing path skips the test by name, or fails it where
@@ -47,7 +47,7 @@ def find_reference_data(*parts: str) -> Path:
     path = root.joinpath(*parts)
     if path.exists():
         return path
-    message = f"reference data {'/'.join(parts)} not found: set AXFFIT_REFERENCE_DATA to what holds {parts[0]}"
+    message = f"reference data {'/'.join(parts)} not found: point AXFFIT_REFERENCE_DATA at the data folder"
     if os.environ.get("AXFFIT_REQUIRE_REFERENCE_DATA") == "1":
         pytest.fail(message, pytrace=False)
     pytest.skip(message)
