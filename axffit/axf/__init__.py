@@ -4,3 +4,5 @@ from .material import AxfFile as AxfFile
 from .material import AxfMaterial as AxfMaterial
 from .material import AxfTexture as AxfTexture
 from .material import MaterialKind as MaterialKind
+from .reader import read as read
+from .writer import write as write

@@ -139,8 +139,7 @@ class AxfMaterial:
         if self.fresnel_variant is not None:
             one_of(self.fresnel_variant, FRESNEL_VARIANTS, what="Fresnel variant", where=self.id)
         textures = {
-            _known(key, canonical_texture, TEXTURE_KEYS, self.id): value
-            for key, value in self.textures.items()
+            _known(key, canonical_texture, TEXTURE_KEYS, self.id): value for key, value in self.textures.items()
         }
         properties = {}
         for key, value in self.properties.items():
@@ -193,12 +192,14 @@ class AxfFile:
         materials: the materials in the order of the file.
         version: AxF version (major, minor, revision).
         unrecognized: nodes outside the materials that were not used.
+        inferred: what the reader had to conclude about the file as a whole, one sentence each.
         source: the path the file was read from, or "".
     """
 
     materials: tuple[AxfMaterial, ...]
     version: tuple[int, int, int] = (1, 5, 0)
     unrecognized: tuple[str, ...] = ()
+    inferred: tuple[str, ...] = ()
     source: str = ""
 
     def material(self, id: str | None = None) -> AxfMaterial:

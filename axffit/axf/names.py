@@ -1,8 +1,8 @@
 """Every spelling AxF is known to use, brought to one canonical name: the border of the file format.
 
 Names are matched without case and underscores and with l read as I, because the known lists were partly
-machine-read (`max_thetal`, `clearcoator`). A trailing `_1` marks another representation of the same resource and
-is left out.
+machine-read (`max_thetal`, `clearcoator`). A trailing `_1` marks another representation of the same resource
+and is left out.
 """
 
 import re
@@ -115,9 +115,7 @@ def _table(entries: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
 
 
 _TEXTURE_BY_FOLD = _table({key: layout.aliases for key, layout in TEXTURES.items()})
-_TEXTURE_BY_NODE = {
-    tuple(fold(part) for part in layout.node.split("/")): key for key, layout in TEXTURES.items()
-}
+_TEXTURE_BY_NODE = {tuple(fold(part) for part in layout.node.split("/")): key for key, layout in TEXTURES.items()}
 _PROPERTY_BY_FOLD = _table({key: kind.aliases for key, kind in PROPERTY_TYPES.items()})
 
 

@@ -1,0 +1,265 @@
+"""HDF5 as untrusted input: every leaf of a file, and nothing that reaches outside it.
+
+Sizes and types are checked before anything is read. External links, external storage and virtual datasets are
+refused before they are opened; soft links are listed and not followed, so that a loop cannot be walked.
+"""
+
+import contextlib
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import h5py
+import h5py.h5o
+import h5py.h5s
+import numpy as np
+
+from ..errors import InputError
+
+MAXIMUM_BYTES = 4 * 2**30
+"""Declared bytes of one dataset above which it is refused: four times the largest flake stack ever seen."""
+
+MAXIMUM_NODES = 100_000
+"""Links of a file above which it is refused."""
+
+MAXIMUM_DEPTH = 32
+"""Nesting of groups above which a file is refused."""
+
+MAXIMUM_TEXT = 65_536
+"""Bytes of a text or of an attribute above which it is not read."""
+
+# A deflate stream expands at most 1032-fold; what declares more than that holds no data.
+_MAXIMUM_EXPANSION = 1100
+_SMALL = 64 * 2**20
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """One dataset or attribute.
+
+    Attributes:
+        parts: the names from the root to it; an attribute's own name comes last.
+        shape: its extent, or None for an empty one.
+        dtype: its numpy type.
+        load: reads the raw value.
+        attribute: whether it is an attribute.
+    """
+
+    parts: tuple[str, ...]
+    shape: tuple[int, ...] | None
+    dtype: np.dtype
+    load: Callable[[], object] = field(repr=False)
+    attribute: bool = False
+
+    @property
+    def path(self) -> str:
+        """The path for people: `/group/dataset`, or `/group@attribute`."""
+        if self.attribute:
+            return printable("/" + "/".join(self.parts[:-1]) + "@" + self.parts[-1])
+        return printable("/" + "/".join(self.parts))
+
+    @property
+    def name(self) -> str:
+        """The last part of the path."""
+        return self.parts[-1]
+
+    @property
+    def is_number(self) -> bool:
+        """Whether it holds real numbers."""
+        return self.dtype.kind in "iuf" and self.shape is not None and 0 not in self.shape
+
+    def text(self) -> str | None:
+        """The single text it holds, or None if it holds something else or too much of it.
+
+        Raises:
+            InputError: the file is damaged here.
+        """
+        text_type = h5py.check_string_dtype(self.dtype)
+        if text_type is None or self.shape is None or math.prod(self.shape) != 1:
+            return None
+        if (text_type.length or 0) > MAXIMUM_TEXT:
+            return None
+        value = self._value()
+        while isinstance(value, np.ndarray):
+            value = value.reshape(-1)[0]
+        if isinstance(value, bytes):
+            value = value.decode("utf-8", "replace")
+        return value if isinstance(value, str) else None
+
+    def array(self) -> np.ndarray:
+        """The numbers it holds, in native byte order.
+
+        Raises:
+            InputError: the file is damaged here.
+        """
+        value = np.asarray(self._value())
+        return value.astype(value.dtype.newbyteorder("="), copy=False)
+
+    def _value(self) -> object:
+        try:
+            return self.load()
+        except (OSError, RuntimeError, ValueError, KeyError, TypeError, MemoryError) as error:
+            raise InputError(
+                f"{self.path}: cannot be read ({one_line(error)}); get a fresh copy of the file"
+            ) from error
+
+
+@dataclass(frozen=True)
+class Tree:
+    """All leaves of a file, the root's attributes among them, and the links that were not followed."""
+
+    leaves: tuple[Leaf, ...]
+    links: tuple[str, ...]
+    groups: tuple[tuple[str, ...], ...]
+
+
+@contextlib.contextmanager
+def opened(path: str | Path) -> Iterator[h5py.File]:
+    """The file, open for reading.
+
+    Raises:
+        InputError: it is missing, no file, no HDF5, or cut short.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise InputError(f"{path}: no such file; give the path of an .axf file")
+    if not path.is_file():
+        raise InputError(f"{path}: not a file; give the path of an .axf file")
+    try:
+        if not h5py.is_hdf5(path):
+            raise InputError(f"{path}: not an AxF file (no HDF5 signature); give an .axf file")
+        file = h5py.File(path, "r", locking="best-effort")
+    except (OSError, RuntimeError, ValueError, KeyError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            f"{path}: damaged or truncated HDF5 ({one_line(error)}); get a fresh copy of the file"
+        ) from error
+    try:
+        yield file
+    finally:
+        with contextlib.suppress(OSError, RuntimeError, ValueError):
+            file.close()
+
+
+def walk(file: h5py.File) -> Tree:
+    """Every leaf of the file.
+
+    Raises:
+        InputError: something reaches outside the file, is too large, too deep or too much, or is damaged.
+    """
+    leaves: list[Leaf] = []
+    links: list[str] = []
+    groups: list[tuple[str, ...]] = []
+    visited: set[int] = set()
+    pending: list[tuple[tuple[str, ...], h5py.Group]] = [((), file)]
+    try:
+        while pending:
+            parts, group = pending.pop()
+            address = h5py.h5o.get_info(group.id).addr
+            if address in visited:
+                links.append(printable("/" + "/".join(parts)) + " (a group that was met before)")
+                continue
+            visited.add(address)
+            groups.append(parts)
+            if len(parts) > MAXIMUM_DEPTH:
+                raise InputError(f"{_path(parts)}: nested deeper than {MAXIMUM_DEPTH} groups; flatten the file")
+            leaves.extend(_attributes(parts, group))
+            below = []
+            for name in map(str, group):
+                _member((*parts, name), group, name, leaves, links, below)
+                if len(leaves) + len(links) + len(groups) + len(below) > MAXIMUM_NODES:
+                    raise InputError(f"{_path(parts)}: more than {MAXIMUM_NODES} nodes; split the file")
+            pending.extend(reversed(below))
+    except (OSError, RuntimeError, KeyError, TypeError, UnicodeError, MemoryError) as error:
+        raise InputError(f"{_path(parts)}: damaged ({one_line(error)}); get a fresh copy of the file") from error
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{_path(parts)}: damaged ({one_line(error)}); get a fresh copy of the file") from error
+    return Tree(tuple(leaves), tuple(links), tuple(groups))
+
+
+def _member(
+    parts: tuple[str, ...],
+    group: h5py.Group,
+    name: str,
+    leaves: list[Leaf],
+    links: list[str],
+    below: list[tuple[tuple[str, ...], h5py.Group]],
+) -> None:
+    link = group.get(name, getlink=True)
+    if isinstance(link, h5py.ExternalLink):
+        raise InputError(f"{_path(parts)}: external link to another file; store the data in this file")
+    if isinstance(link, h5py.SoftLink):
+        links.append(f"{_path(parts)} (soft link to {printable(link.path)}, not followed)")
+        return
+    node = group[name]
+    if isinstance(node, h5py.Group):
+        below.append((parts, node))
+    elif isinstance(node, h5py.Dataset):
+        leaves.extend(_attributes(parts, node))
+        try:
+            dtype = node.dtype
+        except TypeError:
+            links.append(f"{_path(parts)} (a type that has no counterpart in numpy)")
+        else:
+            leaves.append(_dataset(parts, node, dtype))
+    else:
+        links.append(f"{_path(parts)} (a {type(node).__name__.lower()})")
+
+
+def _dataset(parts: tuple[str, ...], dataset: h5py.Dataset, dtype: np.dtype) -> Leaf:
+    if dataset.is_virtual:
+        raise InputError(f"{_path(parts)}: virtual dataset; store the data itself in this file")
+    if dataset.external:
+        raise InputError(f"{_path(parts)}: data in an external file; store the data in this file")
+    if dtype.kind in "iuf":
+        _check_size(parts, dataset)
+    shape = None if dataset.shape is None else tuple(dataset.shape)
+    return Leaf(parts, shape, dtype, lambda: dataset[()])
+
+
+def _check_size(parts: tuple[str, ...], dataset: h5py.Dataset) -> None:
+    declared = math.prod(dataset.shape or (0,)) * dataset.dtype.itemsize
+    if declared > MAXIMUM_BYTES:
+        raise InputError(
+            f"{_path(parts)}: shape {dataset.shape} declares {declared / 2**30:.1f} GiB; "
+            f"at most {MAXIMUM_BYTES / 2**30:g} GiB are read: store a smaller map"
+        )
+    if declared > _SMALL and dataset.id.get_storage_size() * _MAXIMUM_EXPANSION < declared:
+        raise InputError(
+            f"{_path(parts)}: shape {dataset.shape} declares {declared / 2**20:.0f} MiB but "
+            f"{dataset.id.get_storage_size()} bytes are stored; store the data itself"
+        )
+    chunk = math.prod(dataset.chunks or (0,)) * dataset.dtype.itemsize
+    if chunk > max(_SMALL, declared):
+        raise InputError(
+            f"{_path(parts)}: chunks of {chunk / 2**20:.0f} MiB for {declared / 2**20:.0f} MiB of data; "
+            "store it in smaller chunks"
+        )
+
+
+def _attributes(parts: tuple[str, ...], node: h5py.Group | h5py.Dataset) -> Iterator[Leaf]:
+    for name in node.attrs:
+        identifier = node.attrs.get_id(name)
+        shape = None if identifier.get_space().get_simple_extent_type() == h5py.h5s.NULL else identifier.shape
+        large = shape is not None and math.prod(shape) * identifier.dtype.itemsize > MAXIMUM_TEXT
+        # An oversized attribute stays in the list of unused nodes and is never loaded.
+        dtype = np.dtype("V1") if large else identifier.dtype
+        yield Leaf((*parts, name), shape, dtype, lambda name=name: node.attrs[name], attribute=True)
+
+
+def printable(text: str) -> str:
+    """Text on one line: what cannot be printed is escaped."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
+def one_line(error: BaseException) -> str:
+    """The message of an exception on one line of modest length."""
+    return printable(" ".join(str(error).split()))[:200] or type(error).__name__
+
+
+def _path(parts: tuple[str, ...]) -> str:
+    return printable("/" + "/".join(parts))

@@ -1,0 +1,42 @@
+"""The HDF5 spelling that reader and writer share: what is evidenced, and our own layout for the rest.
+
+`docs/axf-layout.md` describes it for people.
+"""
+
+import urllib.parse
+
+VERSION_ATTRIBUTES = ("axf.version.major", "axf.version.minor", "axf.version.revision")
+"""Root attributes, uint32 (evidenced)."""
+
+OWN_VERSION = "axffit.version"
+"""Root attribute: the version of axffit that wrote the file. It marks everything below that is our own."""
+
+OWN_LAYOUT = "axffit.layout"
+"""Root attribute, uint32: the number of the layout of our own, 1."""
+
+LAYOUT_NUMBER = 1
+
+MATERIALS = "com.xrite.Materials"
+RESOURCES = "com.xrite.Resources"
+REPRESENTATIONS = "com.xrite.Representations"
+
+OWN_GROUP = "axffit.Material"
+"""Our own group below a material's `com.xrite.Representations`."""
+
+DATA, WIDTH, HEIGHT = "Data", "WidthMM", "HeightMM"
+"""A resource's values and its extent in millimeters (evidenced)."""
+
+LEVEL = "Level"
+"""Mip level n of a resource is the sibling `Level<n>` of `Data`, n = 1, 2, … (our own)."""
+
+
+def escape(name: str) -> str:
+    """A name that HDF5 can hold as one link: `/`, `%` and the names `.` and `..` are percent-encoded."""
+    if set(name) == {"."}:
+        return name.replace(".", "%2E")
+    return name.replace("%", "%25").replace("/", "%2F")
+
+
+def unescape(name: str) -> str:
+    """The inverse of `escape`."""
+    return urllib.parse.unquote(name)
