@@ -41,7 +41,7 @@ lint: venv
 
 # Without the run-time type checks of the tests, and one process: they would be what is measured.
 bench: venv
-	$(PYTEST) -o addopts="--import-mode=importlib" --benchmark-columns=min,median,ops --benchmark-sort=name benchmarks
+	$(PYTEST) -o addopts="--import-mode=importlib" --benchmark-columns=min,median,ops --benchmark-sort=name benchmarks/bench_*.py
 
 lock:
 	@command -v $(UV) >/dev/null || { echo "axffit: make lock needs uv (or UV=/path/to/uv)" >&2; exit 1; }

@@ -1,0 +1,5 @@
+"""``python -m axffit``: the command line."""
+
+from axffit.cli import main
+
+main()
