@@ -1,5 +1,8 @@
 """The AxF material, and the reader and writer of .axf files."""
 
+from .appearance import Appearance as Appearance
+from .appearance import appearance as appearance
+from .appearance import to_brdf as to_brdf
 from .material import AxfFile as AxfFile
 from .material import AxfMaterial as AxfMaterial
 from .material import AxfTexture as AxfTexture
