@@ -80,7 +80,7 @@ def rotate_tangent(v: Directions, rotation: Angles) -> Directions:
     return jnp.stack(jnp.broadcast_arrays(cosine * x + sine * y, cosine * y - sine * x, z), axis=-1)
 
 
-def tangent_frame(normal: Directions, rotation: Angles | None = None) -> Float[Array, "*batch 3 3"]:
+def tangent_frame(normal: Directions, rotation: Angles | None = None) -> Float[Array, "... 3 3"]:
     """Orthonormal frame of a shading normal: rows tangent, bitangent and normal.
 
     The frame is the smallest rotation that takes (0, 0, 1) to ``normal``, then the tangent plane is turned by
@@ -100,12 +100,12 @@ def tangent_frame(normal: Directions, rotation: Angles | None = None) -> Float[A
     return jnp.stack([tangent, bitangent, n], axis=-2)
 
 
-def to_local(frame: Float[Array, "*batch 3 3"], v: Directions) -> Directions:
+def to_local(frame: Float[Array, "... 3 3"], v: Directions) -> Directions:
     """Components of ``v`` in ``frame`` (rows are the frame's axes)."""
     return jnp.sum(frame * v[..., None, :], axis=-1)
 
 
-def to_world(frame: Float[Array, "*batch 3 3"], v: Directions) -> Directions:
+def to_world(frame: Float[Array, "... 3 3"], v: Directions) -> Directions:
     """Inverse of :func:`to_local`."""
     return jnp.sum(frame * v[..., :, None], axis=-2)
 

@@ -1,6 +1,6 @@
 """Quadrature and sampling over the upper hemisphere."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -11,6 +11,7 @@ from axffit._types import Channels, Direction, Directions
 from axffit.frames import spherical_to_direction
 
 
+@runtime_checkable
 class Reflector(Protocol):
     """Anything with the BRDF contract: value in 1/sr of (wi, wo), without the cosine."""
 
@@ -34,12 +35,12 @@ def gauss_legendre_hemisphere(polar_count: int, azimuth_count: int) -> tuple[Flo
     return directions, jnp.asarray(weights)
 
 
-def sample_uniform(u: Float[Array, "*batch 2"]) -> Directions:
+def sample_uniform(u: Float[Array, "... 2"]) -> Directions:
     """Directions uniform over the hemisphere (density 1 / (2 pi) per sr) from uniforms in [0, 1)²."""
     return spherical_to_direction(jnp.arccos(u[..., 0]), 2.0 * jnp.pi * u[..., 1])
 
 
-def sample_cosine(u: Float[Array, "*batch 2"]) -> Directions:
+def sample_cosine(u: Float[Array, "... 2"]) -> Directions:
     """Directions of density cos theta / pi per sr from uniforms in [0, 1)² (Malley's method)."""
     return spherical_to_direction(jnp.arcsin(jnp.sqrt(u[..., 0])), 2.0 * jnp.pi * u[..., 1])
 

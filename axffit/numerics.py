@@ -53,12 +53,12 @@ def _safe_sqrt_jvp(primals, tangents):
     return root, slope * x_dot
 
 
-def safe_norm(v: Float[Array, "*batch n"]) -> Float[Array, "*batch"]:
+def safe_norm(v: Float[Array, "... n"]) -> Float[Array, "..."]:
     """Euclidean length along the last axis; gradient v / |v|, and 0 at v = 0."""
     return safe_sqrt(jnp.sum(v * v, axis=-1))
 
 
-def normalize(v: Float[Array, "*batch 3"]) -> Float[Array, "*batch 3"]:
+def normalize(v: Float[Array, "... 3"]) -> Float[Array, "... 3"]:
     """``v / |v|``; the zero vector becomes (0, 0, 1), with gradient 0."""
     square = jnp.sum(v * v, axis=-1, keepdims=True)
     positive = square > 0

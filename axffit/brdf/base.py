@@ -7,8 +7,6 @@ whose leaves carry a leading axis is a map of BRDFs for ``equinox.filter_vmap``.
 """
 
 import abc
-from typing import Self
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -57,7 +55,7 @@ class AbstractBRDF(eqx.Module):
         wi, wo = (jnp.broadcast_to(v.astype(dtype), shape).reshape(-1, 3) for v in (wi, wo))
         return jax.vmap(model.masked_value)(wi, wo).reshape(shape)
 
-    def astype(self, dtype: jnp.dtype) -> Self:
+    def astype(self, dtype: jnp.dtype) -> "AbstractBRDF":
         """The same BRDF with every parameter in ``dtype``."""
         return jax.tree.map(lambda leaf: leaf.astype(dtype) if eqx.is_inexact_array(leaf) else leaf, self)
 

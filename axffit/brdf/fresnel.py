@@ -3,7 +3,7 @@
 A lobe holds one as a field and asks for F(c), c = <h, o> the cosine of the difference angle. The exact dielectric
 form is written in m = 1 / n:
 
-    g_m = sqrt(1 - m² (1 - c²))
+    g_m = sqrt((1 - m²) + m² c²)
     F = (1 - m²)² / 2 [ 1 / (m c + g_m)⁴ + ((c² (1 + m²) - m²) / (c + m g_m)²)² ]
 
 the mean of the squared Fresnel amplitudes after (1 - m²) is taken out of both. Nothing cancels for n -> 1, nothing
@@ -20,7 +20,8 @@ from jaxtyping import Array, Float
 from axffit.brdf.base import as_parameter
 from axffit.numerics import power5, safe_sqrt
 
-Reflectance = Float[Array, ""] | Float[Array, "3"]
+Reflectance = Float[Array, "..."]
+"""Shape () or (3,): one value for all channels, or one a channel."""
 
 
 class AbstractFresnel(eqx.Module):
@@ -67,13 +68,13 @@ class Fresnel1818(AbstractFresnel):
         root = safe_sqrt(self.f0)
         m = (1.0 - root) / (1.0 + root)
         square = (1.0 + root) * (1.0 + root)
-        return 16.0 * self.f0 / (square * square) * _dielectric_bracket(cos_d, m)
+        return 16.0 * self.f0 / (square * square) * _dielectric_bracket(cos_d, m, 4.0 * root / square)
 
 
-def _dielectric_bracket(c: Float[Array, ""], m: Reflectance) -> Reflectance:
-    """Half of the bracket of the module's formula."""
+def _dielectric_bracket(c: Float[Array, "..."], m: Reflectance, one_minus_m2: Reflectance) -> Reflectance:
+    """Half of the bracket of the module's formula; 1 - m² is given, since it cancels where n is near 1."""
     m2, c2 = m * m, c * c
-    g = safe_sqrt(1.0 - m2 * (1.0 - c2))
+    g = safe_sqrt(one_minus_m2 + m2 * c2)
     s = m * c + g
     p = c + m * g
     s2 = s * s
@@ -81,21 +82,20 @@ def _dielectric_bracket(c: Float[Array, ""], m: Reflectance) -> Reflectance:
     return 0.5 * (1.0 / (s2 * s2) + ratio * ratio)
 
 
-def dielectric_reflectance(cosine: Float[Array, "*batch"], ior: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+def dielectric_reflectance(cosine: Float[Array, "..."], ior: Float[Array, "..."]) -> Float[Array, "..."]:
     """Exact unpolarized Fresnel reflectance of a smooth dielectric of index ``ior`` > 0 against air.
 
     ``cosine`` > 0 is measured outside. Exactly 0 for ``ior`` = 1; 1 where ``ior`` < 1 reflects totally.
     """
     m = 1.0 / ior
-    transmitted = 1.0 - m * m * (1.0 - cosine * cosine)
-    total = transmitted <= 0
+    total = (1.0 - m) * (1.0 + m) + m * m * cosine * cosine <= 0
     safe_m = jnp.where(total, jnp.ones_like(m), m)
     one_minus_m2 = (1.0 - safe_m) * (1.0 + safe_m)
-    value = one_minus_m2 * one_minus_m2 * _dielectric_bracket(cosine, safe_m)
+    value = one_minus_m2 * one_minus_m2 * _dielectric_bracket(cosine, safe_m, one_minus_m2)
     return jnp.where(total, jnp.ones_like(value), value)
 
 
-def schlick_reflectance(cosine: Float[Array, "*batch"], ior: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+def schlick_reflectance(cosine: Float[Array, "..."], ior: Float[Array, "..."]) -> Float[Array, "..."]:
     """Schlick's approximation for index ``ior``, F0 = ((n - 1) / (n + 1))²."""
     root = (ior - 1.0) / (ior + 1.0)
     f0 = root * root
