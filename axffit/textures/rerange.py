@@ -1,7 +1,8 @@
 """Re-rangings: what a target does to AxF's values before a format quantizes them, and how its shader undoes that.
 
 Each has ``forward`` (AxF -> target) and ``inverse`` (target -> AxF), both in float64 and on arrays of any shape, and
-``count`` says what ``forward`` could not keep: nothing is clamped, wrapped or replaced in silence.
+``count`` says how many texels (arrays [..., channels]) ``forward`` could not keep: nothing is clamped, wrapped or
+replaced in silence.
 """
 
 from abc import ABC, abstractmethod
@@ -15,15 +16,15 @@ from ..errors import InputError
 
 @dataclass(frozen=True)
 class Counts:
-    """How many values a re-ranging or a format could not keep as they were.
+    """How many texels a re-ranging or a format could not keep as they were.
 
     Attributes:
-        clamped: values clamped to the legal range.
+        clamped: clamped to the legal range in any channel.
         wrapped: angles brought back by whole turns.
-        replaced: values that mean nothing (NaN or not positive, an index of refraction) and became a default.
-        folded: values that come back as others because the re-ranging is not one-to-one (n < 1 as 1/n, F0 = 1 as
+        replaced: texels that mean nothing (NaN or not positive, an index of refraction) and became a default.
+        folded: texels that come back as others because the re-ranging is not one-to-one (n < 1 as 1/n, F0 = 1 as
             infinity).
-        floored: roughness values that are 0 after decoding and are read as 1e-4.
+        floored: roughness texels that decode below the floor (1e-4) of the models and are read as the floor.
         excess: how far the worst clamped value lay outside, in AxF's own unit.
     """
 
@@ -38,6 +39,11 @@ class Counts:
         """Counts of both; the larger excess."""
         sums = {f.name: getattr(self, f.name) + getattr(other, f.name) for f in fields(self) if f.name != "excess"}
         return Counts(**sums, excess=max(self.excess, other.excess))
+
+
+def texels(where: np.ndarray) -> int:
+    """How many texels have a marked channel; ``where`` is [..., channels] of booleans."""
+    return int(np.count_nonzero(np.any(where, axis=-1)))
 
 
 def _largest(values: np.ndarray) -> float:
@@ -102,9 +108,10 @@ class ClampNegative(Reranging):
         return np.asarray(values, dtype=np.float64)
 
     def count(self, values: np.ndarray) -> Counts:
-        """Negative values, and how negative."""
-        negative = np.asarray(values)[np.asarray(values) < 0]
-        return Counts(clamped=negative.size, excess=_largest(-negative.astype(np.float64)))
+        """Texels with a negative value, and how negative."""
+        values = np.asarray(values)
+        negative = values < 0
+        return Counts(clamped=texels(negative), excess=_largest(-values[negative].astype(np.float64)))
 
 
 @dataclass(frozen=True)
@@ -125,10 +132,10 @@ class UnitOffset(Reranging):
         return 2.0 * np.asarray(values, dtype=np.float64) - 1.0
 
     def count(self, values: np.ndarray) -> Counts:
-        """Components outside [-1, 1]; one float32 rounding of a unit component is none."""
+        """Texels with a component outside [-1, 1]; one float32 rounding of a unit component is none."""
         excess = np.abs(np.asarray(values, dtype=np.float64)) - 1.0
-        outside = excess[excess > 2.0**-23]
-        return Counts(clamped=outside.size, excess=_largest(outside))
+        outside = excess > 2.0**-23
+        return Counts(clamped=texels(outside), excess=_largest(excess[outside]))
 
 
 @dataclass(frozen=True)
@@ -160,7 +167,7 @@ class SignedAngle(Reranging):
 
     def count(self, values: np.ndarray) -> Counts:
         """Angles outside [-r, r]."""
-        return Counts(wrapped=int(np.count_nonzero(self._outside(np.asarray(values, dtype=np.float64)))))
+        return Counts(wrapped=texels(self._outside(np.asarray(values, dtype=np.float64))))
 
     def _outside(self, values: np.ndarray) -> np.ndarray:
         # float32's pi exceeds pi by 8.7e-8; such an angle is meant to be pi.
@@ -198,7 +205,7 @@ class IorToF0(Reranging):
         values = np.asarray(values)
         usable = values > 0
         folded = usable & ((values < 1) | (self.forward(values) >= 1.0))
-        return Counts(replaced=int(np.count_nonzero(~usable)), folded=int(np.count_nonzero(folded)))
+        return Counts(replaced=texels(~usable), folded=texels(folded))
 
 
 @dataclass(frozen=True)
