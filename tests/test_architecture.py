@@ -26,7 +26,7 @@ FLOORS = (
     {"axf", "measured"},
     {"textures"},
     {"targets"},
-    {"quantization", "fitting", "preview"},
+    {"quantization", "fitting", "preview", "synthesis"},
     {"testing"},
     {"report"},
     {"cli"},
