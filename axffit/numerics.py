@@ -90,3 +90,28 @@ def power5(x: Float[Array, "..."]) -> Float[Array, "..."]:
     """``x^5`` as three products: a ``pow`` costs as much as ten of them."""
     square = x * x
     return square * square * x
+
+
+def log_cosine_over_sine_square(tan2: Float[Array, "..."]) -> Float[Array, "..."]:
+    """``log(cos) / sin²`` of an angle by its squared tangent: -½ log1p(tan²) (1 + tan²) / tan².
+
+    Smooth, with value -1/2 and slope -1/4 in tan² at 0, where the quotient is continued by its series.
+    """
+    small = tan2 < 1e-3
+    series = -0.5 * (1.0 + tan2 * (0.5 - tan2 * (1 / 6 - tan2 * (1 / 12 - tan2 * (1 / 20 - tan2 / 30)))))
+    safe = jnp.where(small, 1.0, tan2)
+    return jnp.where(small, series, -0.5 * jnp.log1p(safe) * (1.0 + safe) / safe)
+
+
+def positive_power(
+    base: Float[Array, "..."], one_minus_base: Float[Array, "..."], exponent: Float[Array, "..."]
+) -> Float[Array, "..."]:
+    """``max(0, base)^exponent`` for base <= 1, exponent >= 0; 0, with gradient 0, wherever base <= 0.
+
+    ``one_minus_base`` carries the digits of a base near 1, which large exponents need.
+    """
+    positive = base > 0
+    near = base > 0.5
+    log_near = jnp.log1p(-jnp.where(near, one_minus_base, 0.0))
+    log_far = jnp.log(jnp.where(positive & ~near, base, 1.0))
+    return jnp.where(positive, jnp.exp(exponent * jnp.where(near, log_near, log_far)), 0.0)

@@ -2,6 +2,7 @@
 
 import jax
 import jax.numpy as jnp
+import mpmath as mp
 import numpy as np
 import pytest
 from hypothesis import given
@@ -68,3 +69,30 @@ def test_compute_dtype_promotes_storage_types():
     assert numerics.compute_dtype(half, brain) == jnp.float32
     assert numerics.compute_dtype(half, single) == jnp.float32
     assert numerics.compute_dtype(half, double) == jnp.float64
+
+
+def test_log_cosine_over_sine_square_is_smooth_at_the_normal():
+    f = numerics.log_cosine_over_sine_square
+    assert f(jnp.asarray(0.0)) == -0.5
+    assert jax.grad(f)(jnp.asarray(0.0)) == -0.25
+    for t in (1e-12, 9.99e-4, 1.001e-3, 0.3, 1e6):
+        with mp.workdps(40):
+            cosine2 = 1 / (1 + mp.mpf(t))
+            expected = mp.log(cosine2) / 2 / (1 - cosine2)
+        assert float(f(jnp.asarray(t))) == pytest.approx(float(expected), rel=1e-14)
+
+
+@pytest.mark.parametrize("exponent", [0.0, 1.0, 20.0, 1e5])
+def test_positive_power_keeps_the_digits_near_one_and_stops_at_zero(exponent):
+    n = jnp.asarray(exponent)
+    for one_minus in (0.0, 1e-12, 1e-6, 0.3, 0.7):
+        with mp.workdps(40):
+            expected = (1 - mp.mpf(one_minus)) ** mp.mpf(exponent)
+        got = numerics.positive_power(jnp.asarray(1 - one_minus), jnp.asarray(one_minus), n)
+        assert float(got) == pytest.approx(float(expected), rel=1e-10, abs=1e-300)
+    for base in (0.0, -0.4):
+        value, slopes = jax.value_and_grad(numerics.positive_power, argnums=(0, 2))(
+            jnp.asarray(base), jnp.asarray(1 - base), n
+        )
+        assert value == 0
+        assert slopes == (0, 0)

@@ -7,6 +7,7 @@ whose leaves carry a leading axis is a map of BRDFs for ``equinox.filter_vmap``.
 """
 
 import abc
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp

@@ -8,7 +8,14 @@ from axffit._types import RGB, Direction, Scalar
 from axffit.brdf.base import AbstractBRDF, as_parameter
 from axffit.brdf.fresnel import AbstractFresnel, NoFresnel
 from axffit.brdf.geometry import HalfGeometry, half_geometry
-from axffit.brdf.lobe import Normalization, Roughness, alpha_xy, check_normalization, normalization_factor
+from axffit.brdf.lobe import (
+    Normalization,
+    PerAxis,
+    alpha_xy,
+    check_normalization,
+    lobe_value,
+    normalization_factor,
+)
 
 
 def beckmann(half: HalfGeometry, alpha: Float[Array, "*lobes"], beta: Float[Array, "*lobes"]) -> Float[Array, "*lobes"]:
@@ -39,7 +46,7 @@ class CookTorrance(AbstractBRDF):
     """
 
     specular_color: RGB = eqx.field(converter=as_parameter)
-    roughness: Roughness = eqx.field(converter=as_parameter)
+    roughness: PerAxis = eqx.field(converter=as_parameter)
     fresnel: AbstractFresnel = NoFresnel()
     normalization: Normalization = eqx.field(static=True, default="sdk", kw_only=True)
 
@@ -47,8 +54,8 @@ class CookTorrance(AbstractBRDF):
         check_normalization(self.normalization)
 
     def value(self, wi: Direction, wo: Direction) -> RGB:
-        """The lobe's value."""
+        """D G / (pi i_z o_z), times the normalization."""
         half = half_geometry(wi, wo)
-        density = beckmann(half, *alpha_xy(self.roughness)) * v_groove_over_cosines(half)
         scale = normalization_factor(self.normalization) / jnp.pi
-        return self.specular_color * (scale * density * self.fresnel.factor(half.cos_d, half.one_minus_cos_d))
+        density = scale * beckmann(half, *alpha_xy(self.roughness)) * v_groove_over_cosines(half)
+        return lobe_value(self.specular_color, self.fresnel, half, density)

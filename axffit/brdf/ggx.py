@@ -7,7 +7,14 @@ from axffit._types import RGB, Direction, Scalar
 from axffit.brdf.base import AbstractBRDF, as_parameter
 from axffit.brdf.fresnel import AbstractFresnel, NoFresnel
 from axffit.brdf.geometry import HalfGeometry, half_geometry
-from axffit.brdf.lobe import Normalization, Roughness, alpha_xy, check_normalization, normalization_factor
+from axffit.brdf.lobe import (
+    Normalization,
+    PerAxis,
+    alpha_xy,
+    check_normalization,
+    lobe_value,
+    normalization_factor,
+)
 
 
 def trowbridge_reitz(half: HalfGeometry, alpha: Scalar, beta: Scalar) -> Scalar:
@@ -35,7 +42,7 @@ class GGX(AbstractBRDF):
     """
 
     specular_color: RGB = eqx.field(converter=as_parameter)
-    roughness: Roughness = eqx.field(converter=as_parameter)
+    roughness: PerAxis = eqx.field(converter=as_parameter)
     fresnel: AbstractFresnel = NoFresnel()
     normalization: Normalization = eqx.field(static=True, default="sdk", kw_only=True)
 
@@ -43,10 +50,10 @@ class GGX(AbstractBRDF):
         check_normalization(self.normalization)
 
     def value(self, wi: Direction, wo: Direction) -> RGB:
-        """The lobe's value; G / (i_z o_z) = 4 / (the two Smith denominators)."""
+        """D G / (pi i_z o_z), times the normalization; G / (i_z o_z) = 4 / (the two Smith denominators)."""
         half = half_geometry(wi, wo)
         alpha, beta = alpha_xy(self.roughness)
-        masking = 4.0 / (_smith_denominator(wi, half.i_z, alpha, beta) * _smith_denominator(wo, half.o_z, alpha, beta))
-        density = trowbridge_reitz(half, alpha, beta) * masking
+        smith = _smith_denominator(wi, half.i_z, alpha, beta) * _smith_denominator(wo, half.o_z, alpha, beta)
         scale = normalization_factor(self.normalization) / jnp.pi
-        return self.specular_color * (scale * density * self.fresnel.factor(half.cos_d, half.one_minus_cos_d))
+        density = scale * trowbridge_reitz(half, alpha, beta) * (4.0 / smith)
+        return lobe_value(self.specular_color, self.fresnel, half, density)

@@ -1,21 +1,28 @@
-"""What the specular lobes share: roughness along two axes and the normalization constant."""
+"""What the specular lobes share: f = s F · density, roughness along two axes, the normalization constant."""
 
 from typing import Literal
 
 from jaxtyping import Array, Float
 
-from axffit._types import Scalar
+from axffit._types import RGB, Scalar
+from axffit.brdf.fresnel import AbstractFresnel
+from axffit.brdf.geometry import HalfGeometry
 
 Normalization = Literal["sdk", "microfacet"]
 """``"sdk"``: Cook-Torrance and GGX as the AxF SDK documents them, without the microfacet 1/4 (directional albedo
 tends to 4); ``"microfacet"``: with it. Converting changes the specular color by 4 and nothing else."""
 
-Roughness = Float[Array, ""] | Float[Array, "2"]
+PerAxis = Float[Array, ""] | Float[Array, "2"]
 """Shape (): isotropic; (2,): along the lobe's x and y axes."""
 
 
-def alpha_xy(roughness: Roughness) -> tuple[Scalar, Scalar]:
-    """Roughness along x and along y."""
+def lobe_value(specular_color: RGB, fresnel: AbstractFresnel, half: HalfGeometry, density: Scalar) -> RGB:
+    """Value of a lobe, s F(<h,o>) · density: every lobe is a color, a Fresnel factor and a scalar shape (1/sr)."""
+    return specular_color * (density * fresnel.factor(half.cos_d, half.one_minus_cos_d))
+
+
+def alpha_xy(roughness: PerAxis) -> tuple[Scalar, Scalar]:
+    """PerAxis along x and along y."""
     return (roughness, roughness) if roughness.ndim == 0 else (roughness[0], roughness[1])
 
 

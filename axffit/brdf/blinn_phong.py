@@ -1,0 +1,98 @@
+"""Blinn-Phong lobes: a power of the half vector's cosine.
+
+AxF stores an exponent as n' with n = 2^n'; HDRP reads the same map as a roughness a with n = 2/a² - 2. Both decodings
+stand here as functions: they belong to the material, the lobes take the exponent itself.
+"""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from axffit._types import RGB, Direction, Scalar
+from axffit.brdf.base import AbstractBRDF, as_parameter
+from axffit.brdf.fresnel import AbstractFresnel, NoFresnel
+from axffit.brdf.geometry import HalfGeometry, half_geometry
+from axffit.brdf.lobe import PerAxis, alpha_xy, lobe_value
+from axffit.numerics import log_cosine_over_sine_square
+
+
+def exponent_from_axf(stored: Float[Array, "..."]) -> Float[Array, "..."]:
+    """n = 2^n' (AxF SDK)."""
+    return jnp.exp2(stored)
+
+
+def exponent_from_roughness(roughness: Float[Array, "..."]) -> Float[Array, "..."]:
+    """n = 2/a² - 2 (HDRP); a = 1 is the exponent 0."""
+    return 2.0 / (roughness * roughness) - 2.0
+
+
+def _log_cosine_h(half: HalfGeometry) -> Scalar:
+    """log h_z = -½ log1p(tan² theta_h)."""
+    x, y = half.x / half.z, half.y / half.z
+    return -0.5 * jnp.log1p(x * x + y * y)
+
+
+class BlinnPhong1977(AbstractBRDF):
+    """Blinn's lobe (SIGGRAPH 1977): density (n + 2) / (8 pi) h_z^n; AxF's ``Blinn1977`` and ``Lewis1993``.
+
+    AxF's ``Lewis1993`` is undocumented; Lewis's normalization (CGF 13(2), 1994) with the half vector,
+    (n + 2) / (2 pi) · 1/4 · h_z^n, is this same function.
+
+    ``specular_color`` s (3,), linear RGB; ``exponent`` n >= 0, (); ``fresnel`` F at <h, o>.
+    """
+
+    specular_color: RGB = eqx.field(converter=as_parameter)
+    exponent: Scalar = eqx.field(converter=as_parameter)
+    fresnel: AbstractFresnel = NoFresnel()
+
+    def value(self, wi: Direction, wo: Direction) -> RGB:
+        """(n + 2) / (8 pi) h_z^n."""
+        half = half_geometry(wi, wo)
+        density = (self.exponent + 2.0) / (8.0 * jnp.pi) * jnp.exp(self.exponent * _log_cosine_h(half))
+        return lobe_value(self.specular_color, self.fresnel, half, density)
+
+
+class BlinnPhongVRay(AbstractBRDF):
+    """The Blinn lobe of V-Ray's material as Chaos publishes it (2020): (n + 1) / (8 pi) h_z^n / <h, o>.
+
+    That AxF's variant ``VRay`` means this lobe is an inference from the name. Parameters as :class:`BlinnPhong1977`.
+    """
+
+    specular_color: RGB = eqx.field(converter=as_parameter)
+    exponent: Scalar = eqx.field(converter=as_parameter)
+    fresnel: AbstractFresnel = NoFresnel()
+
+    def value(self, wi: Direction, wo: Direction) -> RGB:
+        """(n + 1) / (8 pi) h_z^n / <h, o>."""
+        half = half_geometry(wi, wo)
+        power = jnp.exp(self.exponent * _log_cosine_h(half))
+        density = (self.exponent + 1.0) / (8.0 * jnp.pi) * power / half.cos_d
+        return lobe_value(self.specular_color, self.fresnel, half, density)
+
+
+class BlinnPhongAshikhminShirley2000(AbstractBRDF):
+    """Ashikhmin & Shirley's anisotropic Phong lobe (Journal of Graphics Tools 5(2), 2000), AxF's ``Ashikhmin2000``.
+
+        density = sqrt((nu + 1)(nv + 1)) / (8 pi) · h_z^((nu h_x² + nv h_y²) / (1 - h_z²)) / (<h,o> max(i_z, o_z))
+
+    The exponent has no limit at h = n, but the power is exp((nu h_x² + nv h_y²) L), L = log(h_z) / (1 - h_z²), and L is
+    smooth there (-1/2).
+
+    ``specular_color`` s (3,), linear RGB; ``exponents``: n (shape ()) or (nu, nv) (shape (2,)), >= 0; ``fresnel``.
+    """
+
+    specular_color: RGB = eqx.field(converter=as_parameter)
+    exponents: PerAxis = eqx.field(converter=as_parameter)
+    fresnel: AbstractFresnel = NoFresnel()
+
+    def value(self, wi: Direction, wo: Direction) -> RGB:
+        """The lobe without color and Fresnel."""
+        half = half_geometry(wi, wo)
+        nu, nv = alpha_xy(self.exponents)
+        x2, y2 = half.x * half.x / half.square, half.y * half.y / half.square
+        x_slope, y_slope = half.x / half.z, half.y / half.z
+        tan2 = x_slope * x_slope + y_slope * y_slope
+        power = jnp.exp((nu * x2 + nv * y2) * log_cosine_over_sine_square(tan2))
+        scale = jnp.sqrt((nu + 1.0) * (nv + 1.0)) / (8.0 * jnp.pi)
+        density = scale * power / (half.cos_d * jnp.maximum(half.i_z, half.o_z))
+        return lobe_value(self.specular_color, self.fresnel, half, density)
