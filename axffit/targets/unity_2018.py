@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..axf import AxfMaterial, AxfTexture
+from ..axf import AxfMaterial, AxfTexture, MaterialKind
 from ..axf.ranges import ROUGHNESS_FLOOR
 from ..axf.validation import check
 from ..errors import InputError
@@ -91,6 +91,24 @@ def reading(texture: PackedTexture, values: Mapping[str, Any]) -> Reranging:
     choice = _choice(row, channels, texture.format)
     scale = 1.0 if row.scale is None else float(values.get(row.scale, 1.0))
     return choice.reranging if scale == 1.0 else Chain((choice.reranging, Scale(scale)))
+
+
+def texture_name(axf_name: str, kind: MaterialKind) -> str | None:
+    """The target's name of an AxF texture in a material of that kind, or None where the target has no place for it."""
+    return next((row.name for row in TEXTURE_ROWS if row.axf_name == axf_name and kind in row.kinds), None)
+
+
+def default_values(name: str) -> np.ndarray:
+    """The default of a texture in AxF's range, [channels]: what its 4x4 stand-in is meant to say.
+
+    Raises:
+        InputError: the target has no such texture.
+    """
+    row = TEXTURES_BY_NAME.get(name)
+    if row is None:
+        raise InputError(f"{NAME} has no texture {name!r}; it has {', '.join(TEXTURES_BY_NAME)}")
+    channels = max(row.choices)
+    return row.choices[channels][0].reranging.inverse(np.array(row.default))[:channels]
 
 
 def unpack(packed: PackedMaterial, *, defaults: bool = True) -> AxfMaterial:

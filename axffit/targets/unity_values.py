@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..axf import AxfMaterial, MaterialKind
+from ..axf import AxfMaterial, AxfTexture, MaterialKind
 from ..axf.validation import LOBE_ARRAYS
 from ..errors import InputError
 from .base import PackedMaterial
@@ -20,10 +20,12 @@ from .bitfields import (
     Flags,
     word_from_float,
 )
-from .unity_properties import MAXIMUM_LOBES, VALUE_ROWS, ValueType
+from .unity_properties import MAXIMUM_LOBES, VALUE_ROWS, VALUES_BY_NAME, ValueType
 
 SUPPORTED_IN_2018 = {"Lambert", "Ward"}
 """Models that the source of the table supports; it defines codes for the others."""
+
+FLAKES_TILING = VALUES_BY_NAME["_CarPaint_FlakesTiling"].default
 
 
 def material_values(material: AxfMaterial) -> dict[str, Any]:
@@ -81,7 +83,7 @@ def material_notes(material: AxfMaterial) -> Iterator[str]:
     for model in (material.diffuse_model, material.specular_model):
         if material.kind is MaterialKind.SVBRDF and model not in SUPPORTED_IN_2018:
             yield f"{model} has a code in the target's table, but the shader of 2018 does not support it"
-    sizes = {(t.width_mm, t.height_mm) for t in material.textures.values() if not t.is_constant}
+    sizes = {(t.width_mm, t.height_mm) for t in _sized_maps(material)}
     if len(sizes) > 1:
         listed = ", ".join(f"{u:g} x {v:g}" for u, v in sorted(sizes))
         yield f"maps of different size in mm ({listed}); the target has one size and stretches the others"
@@ -123,9 +125,16 @@ def _coat_textures(material: AxfMaterial) -> list[str]:
     return [key for key in material.textures if key.startswith("clearcoat")]
 
 
+def _sized_maps(material: AxfMaterial) -> list[AxfTexture]:
+    """The maps that vary over the surface; flakes only when nothing else does, for they have a tiling of their own."""
+    maps = {key: texture for key, texture in material.textures.items() if not texture.is_constant}
+    others = [texture for key, texture in maps.items() if key not in ("btfflakes", "brdfcolors")]
+    return others or [texture for key, texture in maps.items() if key == "btfflakes"]
+
+
 def _sizes(material: AxfMaterial) -> dict[str, float]:
-    """The size of the first map that has one; 1 mm when every map is a constant."""
-    maps = [t for t in material.textures.values() if not t.is_constant]
+    """The size of the first map that has one; the default when every map is a constant."""
+    maps = _sized_maps(material)
     if not maps:
         return {}
     return {"_materialSizeU_mm": maps[0].width_mm, "_materialSizeV_mm": maps[0].height_mm}
@@ -171,5 +180,14 @@ def _paint_notes(material: AxfMaterial) -> Iterator[str]:
         worst = float(np.max(np.abs(used - float(ior)), initial=0.0))
         if worst > 1e-3:
             yield f"the clear-coat IOR map differs from the property IOR {float(ior):g} by up to {worst:.3g}; IOR rules"
-    if "btfflakes" in material.textures and "thetaFI_sliceLUT" not in material.properties:
+    flakes = material.textures.get("btfflakes")
+    sized = _sized_maps(material)
+    if flakes is not None and not flakes.is_constant and sized:
+        tiling = sized[0].width_mm / flakes.width_mm
+        if abs(tiling - FLAKES_TILING) > 1e-3 * FLAKES_TILING:
+            yield (
+                f"flakes of {flakes.width_mm:g} mm on a material of {sized[0].width_mm:g} mm keep their size with "
+                f"_CarPaint_FlakesTiling {tiling:.4g}; the target's default {FLAKES_TILING:g} is not an AxF value"
+            )
+    if flakes is not None and "thetaFI_sliceLUT" not in material.properties:
         yield "flakes without thetaFI_sliceLUT: the target cannot find their slices and draws none"

@@ -1,0 +1,236 @@
+"""The verdict: every number beside its limit, as objects and as JSON (``schemas/verdict.schema.json``)."""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from .. import __version__
+from ..targets import PackedTexture, Problem
+from .brdf_error import BrdfErrors, Found
+from .maps import Statistics, finite_or_none
+from .tolerances import Tolerance
+
+SCHEMA_VERSION = 1
+
+
+@dataclass(frozen=True)
+class Check:
+    """A number and its limit.
+
+    Attributes:
+        name: dotted name of the limit, e.g. ``textures.normal.angle``.
+        value: what was measured.
+        tolerance: the limit, or None for a number that is only reported.
+    """
+
+    name: str
+    value: float
+    tolerance: Tolerance | None
+
+    @property
+    def within(self) -> bool:
+        """Whether the value is allowed."""
+        return self.tolerance is None or self.tolerance.allows(self.value)
+
+    def to_json(self) -> dict[str, Any]:
+        """Limit and outcome as JSON; a limit of infinity is null, as no limit is."""
+        limit = None if self.tolerance is None else finite_or_none(self.tolerance.limit)
+        return {
+            "check": self.name,
+            "statistic": None if self.tolerance is None else self.tolerance.statistic,
+            "tolerance": limit,
+            "reason": "" if self.tolerance is None else self.tolerance.reason,
+            "within": self.within,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class TextureVerdict:
+    """One texture: how it was packed, what could not be kept, and its errors.
+
+    Attributes:
+        packed: the packed texture.
+        measures: statistics and limit of each measure, the one of the picture first.
+    """
+
+    packed: PackedTexture
+    measures: tuple[tuple[Statistics, Check], ...]
+
+    @property
+    def within(self) -> bool:
+        """Whether every measure is within its limit."""
+        return all(check.within for _, check in self.measures)
+
+    def to_json(self) -> dict[str, Any]:
+        """The row: the first measure's numbers on top, all of them under ``measures``."""
+        packed = self.packed
+        measures = [{**statistics.to_json(), **check.to_json()} for statistics, check in self.measures]
+        return {
+            "name": packed.name,
+            "axf_name": packed.axf_name,
+            "format": packed.format,
+            "rounding": packed.rounding,
+            "transform": packed.transform,
+            "shape": [int(size) for size in packed.levels[0].shape[:-1]],
+            "levels": len(packed.levels),
+            "bytes": packed.size_bytes,
+            "source": packed.source,
+            "defaulted": packed.defaulted,
+            **asdict(packed.counts),
+            **measures[0],
+            "within": self.within,
+            "measures": measures,
+        }
+
+
+@dataclass(frozen=True)
+class LutVerdict:
+    """The slice table: which entries a shader gets back.
+
+    Attributes:
+        content: the readings (`slice_lut.lut_json`).
+        checks: slices lost by truncating in float32, and by rounding, however the texel is held.
+    """
+
+    content: Mapping[str, Any]
+    checks: tuple[Check, ...]
+
+    @property
+    def within(self) -> bool:
+        """Whether both counts are within their limits."""
+        return all(check.within for check in self.checks)
+
+    def to_json(self) -> dict[str, Any]:
+        """Readings and checks."""
+        checks = [{"found": check.value, **check.to_json()} for check in self.checks]
+        return {**self.content, "checks": checks, "within": self.within}
+
+
+_TITLES = {
+    "peak_relative": ("b", "max |f' - f| i_z / max_i (f i_z), peak per view"),
+    "log_ratio": ("c", "max |log f' - log f| where f i_z >= 1e-3 of the view's peak"),
+}
+
+
+@dataclass(frozen=True)
+class BrdfVerdict:
+    """The BRDF level: what was found on a sample of texels and directions (not a bound).
+
+    Attributes:
+        errors: the errors, or None where the model is not evaluated.
+        checks: definitions (b) and (c) with their limits.
+        reason: why there are no errors, or "".
+    """
+
+    errors: BrdfErrors | None
+    checks: tuple[Check, ...]
+    reason: str = ""
+
+    @property
+    def within(self) -> bool:
+        """Whether both definitions are within their limits."""
+        return all(check.within for check in self.checks)
+
+    def to_json(self) -> dict[str, Any]:
+        """One row a definition, and how large the sample was."""
+        content: dict[str, Any] = {"evaluated": self.errors is not None, "reason": self.reason, "within": self.within}
+        if self.errors is None:
+            return {**content, "rows": [], "strip": None, "sample": None}
+        rows = []
+        for check in self.checks:
+            name = check.name.removeprefix("brdf.")
+            found: Found = getattr(self.errors, name)
+            definition, title = _TITLES[name]
+            rows.append({"definition": definition, "name": name, "title": title, **found.to_json(), **check.to_json()})
+        sample = {"texels": self.errors.texels, "views": self.errors.views, "lights": self.errors.lights}
+        return {**content, "rows": rows, "strip": self.errors.strip.to_json(), "sample": {**sample, "kind": "found"}}
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What a target's textures lose of a material, against the tolerances.
+
+    Attributes:
+        id: the material's id.
+        name: the material's name.
+        kind: "SVBRDF" or "CarPaint2".
+        target: name of the target.
+        textures: one entry a texture.
+        lut: the slice table of a car paint with flakes, or None.
+        brdf: the BRDF level.
+        problems: broken obligations of the packed material.
+        values: the packed values by the target's names.
+        notes: what a person should know.
+        tolerances: where the limits come from.
+        error_maps: target name to the error map of the texture's first measure, [H, W] float32.
+    """
+
+    id: str
+    name: str
+    kind: str
+    target: str
+    textures: tuple[TextureVerdict, ...]
+    lut: LutVerdict | None
+    brdf: BrdfVerdict
+    problems: tuple[Problem, ...]
+    values: Mapping[str, Any]
+    notes: tuple[str, ...]
+    tolerances: str
+    error_maps: Mapping[str, np.ndarray]
+
+    @property
+    def within(self) -> bool:
+        """Whether every check is within its limit and no obligation is broken."""
+        return not self.problems and all(check.within for check in self.checks())
+
+    def checks(self) -> Iterator[Check]:
+        """Every number that was compared with a limit."""
+        for texture in self.textures:
+            yield from (check for _, check in texture.measures)
+        yield from self.lut.checks if self.lut is not None else ()
+        yield from self.brdf.checks
+
+    def failures(self) -> tuple[str, ...]:
+        """What is outside, one line each; empty when within."""
+        outside = [
+            f"{check.name}: {check.value:.4g} > {check.tolerance.limit:.4g}"
+            for check in self.checks()
+            if check.tolerance is not None and not check.within
+        ]
+        return (*outside, *(str(problem) for problem in self.problems))
+
+    def summary(self) -> str:
+        """One line for people."""
+        failures = self.failures()
+        outcome = "within tolerance" if not failures else f"outside tolerance ({len(failures)}): {failures[0]}"
+        return f"{self.id} for {self.target}: {len(self.textures)} textures, {outcome}"
+
+    def to_json(self) -> dict[str, Any]:
+        """The whole verdict without the pictures; validates against `schema`."""
+        return {
+            "schema": "axffit.verdict",
+            "schema_version": SCHEMA_VERSION,
+            "axffit_version": __version__,
+            "material": {"id": self.id, "name": self.name, "kind": self.kind},
+            "target": self.target,
+            "within": self.within,
+            "summary": self.summary(),
+            "failures": list(self.failures()),
+            "tolerances": self.tolerances,
+            "textures": [texture.to_json() for texture in self.textures],
+            "lut": None if self.lut is None else self.lut.to_json(),
+            "brdf": self.brdf.to_json(),
+            "flags": [asdict(problem) for problem in self.problems],
+            "values": {name: list(v) if isinstance(v, tuple) else v for name, v in self.values.items()},
+            "notes": list(self.notes),
+        }
+
+
+def schema() -> dict[str, Any]:
+    """The JSON schema of `Verdict.to_json`."""
+    text = resources.files("axffit.quantization").joinpath("schemas/verdict.schema.json").read_text(encoding="utf-8")
+    return json.loads(text)

@@ -1,0 +1,202 @@
+"""`verify`: pack a material for a target, read it back, and compare at every level."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+
+import jax
+import numpy as np
+
+from ..axf import AxfMaterial, AxfTexture, MaterialKind
+from ..errors import InputError
+from ..targets import PackedMaterial, PackedTexture, Problem, target_named
+from .brdf_error import brdf_errors
+from .maps import MapErrors, map_errors
+from .samples import sample_texels
+from .slice_lut import lut_json
+from .tolerances import BRDF_CHECKS, Tolerances, default_tolerances, read_tolerances
+from .verdict import BrdfVerdict, Check, LutVerdict, TextureVerdict, Verdict
+
+Progress = Callable[[str, float], None]
+"""Called with what is being done and how much of it is (0 to 1)."""
+
+TEXELS = {MaterialKind.SVBRDF: 256, MaterialKind.CAR_PAINT: 32}
+"""Texels sampled for the BRDF level; of a car paint only the coat's normal differs between texels."""
+
+
+def verify(
+    material: AxfMaterial,
+    target: str = "unity_2018",
+    tolerance: Tolerances | Path | str | None = None,
+    *,
+    formats: Mapping[str, str] | None = None,
+    rounding: str = "nearest_even",
+    progress: Progress | None = None,
+) -> Verdict:
+    """What a target's textures lose of a material, and whether that is within tolerance.
+
+    Args:
+        material: the material, in AxF's ranges.
+        target: name of the target (`targets.TARGETS`).
+        tolerance: limits, or a TOML file of limits; None takes those of the package.
+        formats: AxF texture name to a number format other than the advised one.
+        rounding: rounding mode of the encoders.
+        progress: called with what is being done and how much of it is (0 to 1).
+
+    Raises:
+        InputError: an unknown target, an unusable tolerance file or material, a format that is not allowed.
+    """
+    module = target_named(target)
+    tolerances = _tolerances(tolerance)
+    report = progress or (lambda stage, fraction: None)
+    report("packing textures", 0.0)
+    packed = module.pack(material, formats=formats, rounding=rounding)
+    return verify_packed(material, packed, tolerances, progress=progress)
+
+
+def verify_packed(
+    material: AxfMaterial,
+    packed: PackedMaterial,
+    tolerances: Tolerances | None = None,
+    *,
+    progress: Progress | None = None,
+) -> Verdict:
+    """The same for a material that someone packed: every texture is read as the target's shader would read it.
+
+    Args:
+        material: the original.
+        packed: its textures and values for a target.
+        tolerances: limits; None takes those of the package.
+        progress: as in `verify`.
+
+    Raises:
+        InputError: the packed material's target is unknown.
+    """
+    module = target_named(packed.target)
+    tolerances = tolerances or default_tolerances()
+    report = progress or (lambda stage, fraction: None)
+    problems = [*module.validate(packed), *_lost(material, packed)]
+    unreadable = {problem.subject for problem in problems if problem.obligation.startswith("texture.")}
+    errors: dict[str, MapErrors] = {}
+    readable = [t for t in packed.textures.values() if t.name not in unreadable and t.axf_name != "thetaFI_sliceLUT"]
+    for number, texture in enumerate(readable):
+        report("measuring map errors", number / len(readable))
+        original = _original(material, texture, module)
+        errors[texture.name] = map_errors(original, texture, module.reading(texture, packed.values))
+    report("measuring map errors", 1.0)
+    return Verdict(
+        id=material.id,
+        name=material.name,
+        kind=material.kind.value,
+        target=packed.target,
+        textures=tuple(_texture_verdict(t, errors[t.name], tolerances) for t in readable),
+        lut=_lut_verdict(material, packed, module, tolerances),
+        brdf=_brdf_verdict(material, packed, module, errors, tolerances, report),
+        problems=tuple(problems),
+        values=packed.values,
+        notes=packed.notes,
+        tolerances=tolerances.source,
+        error_maps={name: e.picture for name, e in errors.items()},
+    )
+
+
+def _tolerances(given: Tolerances | Path | str | None) -> Tolerances:
+    if given is None:
+        return default_tolerances()
+    return given if isinstance(given, Tolerances) else read_tolerances(given)
+
+
+def _lost(material: AxfMaterial, packed: PackedMaterial) -> Iterator[Problem]:
+    """Textures that AxF has and the packed material lacks, or holds in another size."""
+    by_axf = {texture.axf_name: texture for texture in packed.textures.values()}
+    module = target_named(packed.target)
+    for key, original in material.textures.items():
+        name = module.texture_name(key, material.kind)
+        texture = by_axf.get(key)
+        if name is None:
+            continue
+        if texture is None or texture.defaulted:
+            yield Problem("texture.lost", name, f"AxF's {key} is not in the packed material; pack it")
+            continue
+        shapes = [level.shape[:-1] for level in texture.levels]
+        wanted = [level.shape[:-1] for level in original.levels]
+        if shapes != wanted:
+            yield Problem("texture.shape", name, f"levels of {shapes}; AxF has {wanted}: keep every level and its size")
+
+
+def _original(material: AxfMaterial, texture: PackedTexture, module: ModuleType) -> AxfTexture:
+    """AxF's texture; for a default the constant it stands for, in float64."""
+    if not texture.defaulted:
+        return material.textures[texture.axf_name]
+    values = module.default_values(texture.name)[: texture.channels]
+    values = np.resize(values, texture.channels)
+    return AxfTexture(tuple(np.broadcast_to(values, (*level.shape[:-1], values.size)) for level in texture.levels))
+
+
+def _texture_verdict(packed: PackedTexture, errors: MapErrors, tolerances: Tolerances) -> TextureVerdict:
+    measures = []
+    for statistics in errors.statistics:
+        name = f"textures.{packed.axf_name}.{statistics.measure}"
+        tolerance = tolerances.get(name)
+        value = statistics.value(tolerance.statistic if tolerance is not None else "max")
+        measures.append((statistics, Check(name, value, tolerance)))
+    return TextureVerdict(packed, tuple(measures))
+
+
+def _lut_verdict(
+    material: AxfMaterial, packed: PackedMaterial, module: ModuleType, tolerances: Tolerances
+) -> LutVerdict | None:
+    wanted = material.properties.get("thetaFI_sliceLUT")
+    table = next((t for t in packed.textures.values() if t.axf_name == "thetaFI_sliceLUT"), None)
+    if wanted is None or table is None:
+        return None
+    codes = table.levels[0].reshape(-1)[: len(wanted)]
+    seen = np.resize(codes.astype(np.int64), len(wanted)) if codes.size else np.full(len(wanted), -1)
+    content = lut_json(np.asarray(wanted))
+    wrong = {int(k) for k in wanted[seen != wanted]}
+    integer = table.number_format.is_integer
+    lost = {
+        rounding: {
+            k
+            for reading in content["readings"]
+            if reading["rounding"] == rounding
+            and (reading["decode"] == "R8_UINT") == integer
+            and (rounding == "rounded" or reading["decode"] in ("float32", "R8_UINT"))
+            for k in reading["failures_used"]
+        }
+        for rounding in ("truncated", "rounded")
+    }
+    checks = tuple(
+        Check(f"lut.{rounding}", float(len(slices | wrong)), tolerances.get(f"lut.{rounding}"))
+        for rounding, slices in lost.items()
+    )
+    facts = {"name": table.name, "format": table.format, "wrong": sorted(wrong)}
+    return LutVerdict({**facts, **content}, checks)
+
+
+def _brdf_verdict(
+    material: AxfMaterial,
+    packed: PackedMaterial,
+    module: ModuleType,
+    errors: Mapping[str, MapErrors],
+    tolerances: Tolerances,
+    report: Progress,
+) -> BrdfVerdict:
+    report("measuring the reflectance", 0.0)
+    by_axf = {packed.textures[name].axf_name: e for name, e in errors.items()}
+    try:
+        seen = module.unpack(_without_flakes(packed))
+        with jax.enable_x64(True):  # noqa: FBT003  (its only parameter)
+            uv = sample_texels(material, by_axf, TEXELS[material.kind])
+            found = brdf_errors(material, seen, uv, lambda done: report("measuring the reflectance", done))
+    except InputError as error:
+        return BrdfVerdict(None, (), str(error))
+    checks = tuple(Check(f"brdf.{n}", getattr(found, n).value, tolerances.get(f"brdf.{n}")) for n in BRDF_CHECKS)
+    return BrdfVerdict(found, checks)
+
+
+def _without_flakes(packed: PackedMaterial) -> PackedMaterial:
+    """The flakes are no part of the BRDF of this level; leaving them out saves decoding the largest texture."""
+    textures = {name: texture for name, texture in packed.textures.items() if texture.axf_name != "btfflakes"}
+    return replace(packed, textures=textures)
