@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import h5py
+import h5py.h5l
 import h5py.h5o
 import h5py.h5s
 import numpy as np
@@ -107,11 +108,18 @@ class Leaf:
 
 @dataclass(frozen=True)
 class Tree:
-    """All leaves of a file, the root's attributes among them, and the links that were not followed."""
+    """What a file holds.
+
+    Attributes:
+        leaves: every dataset and attribute.
+        groups: every group, as the names from the root to it.
+        unread: what is none of these, was not followed or is an empty group: the names from the root to it, and a
+            line for people.
+    """
 
     leaves: tuple[Leaf, ...]
-    links: tuple[str, ...]
     groups: tuple[tuple[str, ...], ...]
+    unread: tuple[tuple[tuple[str, ...], str], ...]
 
 
 @contextlib.contextmanager
@@ -150,7 +158,7 @@ def walk(file: h5py.File) -> Tree:
         InputError: something reaches outside the file, is too large, too deep or too much, or is damaged.
     """
     leaves: list[Leaf] = []
-    links: list[str] = []
+    unread: list[tuple[tuple[str, ...], str]] = []
     groups: list[tuple[str, ...]] = []
     visited: set[int] = set()
     pending: list[tuple[tuple[str, ...], h5py.Group]] = [((), file)]
@@ -159,18 +167,22 @@ def walk(file: h5py.File) -> Tree:
             parts, group = pending.pop()
             address = h5py.h5o.get_info(group.id).addr
             if address in visited:
-                links.append(printable("/" + "/".join(parts)) + " (a group that was met before)")
+                unread.append((parts, f"{_path(parts)} (a group that was met before)"))
                 continue
             visited.add(address)
             groups.append(parts)
             if len(parts) > MAXIMUM_DEPTH:
                 raise InputError(f"{_path(parts)}: nested deeper than {MAXIMUM_DEPTH} groups; flatten the file")
+            before = len(leaves) + len(unread)
             leaves.extend(_attributes(parts, group))
             below = []
-            for name in map(str, group):
-                _member((*parts, name), group, name, leaves, links, below)
-                if len(leaves) + len(links) + len(groups) + len(below) > MAXIMUM_NODES:
+            # The low-level iterator: h5py's own stops at a name that is no UTF-8.
+            for name in group.id:
+                _member((*parts, _decoded(name)), group, name, leaves, unread, below)
+                if len(leaves) + len(unread) + len(groups) + len(pending) + len(below) > MAXIMUM_NODES:
                     raise InputError(f"{_path(parts)}: more than {MAXIMUM_NODES} nodes; split the file")
+            if parts and not below and len(leaves) + len(unread) == before:
+                unread.append((parts, f"{_path(parts)} (an empty group)"))
             pending.extend(reversed(below))
     except (OSError, RuntimeError, KeyError, TypeError, UnicodeError, MemoryError) as error:
         raise InputError(f"{_path(parts)}: damaged ({one_line(error)}); get a fresh copy of the file") from error
@@ -178,23 +190,24 @@ def walk(file: h5py.File) -> Tree:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{_path(parts)}: damaged ({one_line(error)}); get a fresh copy of the file") from error
-    return Tree(tuple(leaves), tuple(links), tuple(groups))
+    return Tree(tuple(leaves), tuple(groups), tuple(unread))
 
 
 def _member(
     parts: tuple[str, ...],
     group: h5py.Group,
-    name: str,
+    name: bytes,
     leaves: list[Leaf],
-    links: list[str],
+    unread: list[tuple[tuple[str, ...], str]],
     below: list[tuple[tuple[str, ...], h5py.Group]],
 ) -> None:
-    link = group.get(name, getlink=True)
-    if isinstance(link, h5py.ExternalLink):
-        raise InputError(f"{_path(parts)}: external link to another file; store the data in this file")
-    if isinstance(link, h5py.SoftLink):
-        links.append(f"{_path(parts)} (soft link to {printable(link.path)}, not followed)")
+    kind = group.id.links.get_info(name).type
+    if kind == h5py.h5l.TYPE_SOFT:
+        target = printable(_decoded(group.id.links.get_val(name)))
+        unread.append((parts, f"{_path(parts)} (soft link to {target}, not followed)"))
         return
+    if kind != h5py.h5l.TYPE_HARD:
+        raise InputError(f"{_path(parts)}: external link to another file; store the data in this file")
     node = group[name]
     if isinstance(node, h5py.Group):
         below.append((parts, node))
@@ -203,11 +216,11 @@ def _member(
         try:
             dtype = node.dtype
         except TypeError:
-            links.append(f"{_path(parts)} (a type that has no counterpart in numpy)")
+            unread.append((parts, f"{_path(parts)} (a type that has no counterpart in numpy)"))
         else:
             leaves.append(_dataset(parts, node, dtype))
     else:
-        links.append(f"{_path(parts)} (a {type(node).__name__.lower()})")
+        unread.append((parts, f"{_path(parts)} (a {type(node).__name__.lower()})"))
 
 
 def _dataset(parts: tuple[str, ...], dataset: h5py.Dataset, dtype: np.dtype) -> Leaf:
@@ -248,7 +261,12 @@ def _attributes(parts: tuple[str, ...], node: h5py.Group | h5py.Dataset) -> Iter
         large = shape is not None and math.prod(shape) * identifier.dtype.itemsize > MAXIMUM_TEXT
         # An oversized attribute stays in the list of unused nodes and is never loaded.
         dtype = np.dtype("V1") if large else identifier.dtype
-        yield Leaf((*parts, name), shape, dtype, lambda name=name: node.attrs[name], attribute=True)
+        yield Leaf((*parts, _decoded(name)), shape, dtype, lambda name=name: node.attrs[name], attribute=True)
+
+
+def _decoded(name: str | bytes) -> str:
+    """A link's or attribute's name as text; h5py gives bytes where they are no UTF-8."""
+    return name.decode("utf-8", "backslashreplace") if isinstance(name, bytes) else str(name)
 
 
 def printable(text: str) -> str:

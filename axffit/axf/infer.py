@@ -1,6 +1,6 @@
 """From the sorted leaves of a material to the material: by its own description, or by what its content implies."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NoReturn, TypeVar
 
@@ -11,7 +11,7 @@ from . import layout
 from .gather import Candidate, Gathered
 from .hdf5 import Leaf
 from .material import AxfMaterial, AxfTexture, MaterialKind
-from .names import DIFFUSE_MODELS, SPECULAR_MODELS, SPECULAR_VARIANTS, UNSUPPORTED, fold
+from .names import DIFFUSE_MODELS, FILTERS, SPECULAR_MODELS, SPECULAR_VARIANTS, UNSUPPORTED, fold
 from .properties import PROPERTY_TYPES
 
 _Value = TypeVar("_Value")
@@ -19,22 +19,23 @@ _Value = TypeVar("_Value")
 _CAR_PAINT_MARKS = ("CT_diffuse", "CT_coeffs", "CT_F0s", "CT_spreads", "thetaFI_sliceLUT")
 
 
-def interpret(gathered: Gathered, links: Sequence[str], *, own: bool) -> tuple[int, AxfMaterial]:
+def interpret(gathered: Gathered, unread: Sequence[str], *, own: bool) -> tuple[int, AxfMaterial]:
     """The material a group describes, and its place among the materials of the file.
 
     Args:
         gathered: the leaves of the group.
-        links: links of the group that were not followed.
+        unread: lines about what of the group was not read.
         own: whether axffit wrote the file, so that its own description holds.
 
     Raises:
         InputError: the representation is one that is not supported, or a node has the wrong type.
     """
-    rest = [leaf.path for leaf in gathered.rest] + list(links)
+    rest = [leaf.path for leaf in gathered.rest] + list(unread)
     inferred: list[str] = []
     textures = _textures(gathered, rest, inferred)
     if own and gathered.own:
         index, material = _described(gathered, textures)
+        rest += _besides_own(gathered)
     else:
         rest += [leaf.path for leaf in gathered.own.values()]
         index, material = 0, _inferred(gathered, textures, _properties(gathered, rest), inferred)
@@ -130,6 +131,29 @@ def _described(gathered: Gathered, textures: dict[str, AxfTexture]) -> tuple[int
     return int(_own_number(own, "Index")), material
 
 
+_OWN_NAMES = {
+    "Index",
+    "Id",
+    "Name",
+    "Class",
+    "DiffuseModel/TypeKey",
+    "SpecularModel/TypeKey",
+    "SpecularModel/Variant",
+    "SpecularModel/FresnelVariant",
+    "SpecularModel/IsAnisotropic",
+    *(f"{name}Filter/TypeKey" for name in FILTERS),
+}
+
+
+def _besides_own(gathered: Gathered) -> Iterator[str]:
+    """What a file with our own description holds beyond it: it is not used."""
+    for path, leaf in gathered.own.items():
+        if path not in _OWN_NAMES and path.partition("/")[0] not in ("Properties", "Metadata"):
+            yield leaf.path
+    yield from (leaf.path for leaves in gathered.properties.values() for leaf in leaves)
+    yield from (leaf.path for found in gathered.strings.values() for _, leaf in found)
+
+
 def _inverse(table: Mapping[str, str]) -> dict[str, str]:
     return {key: name for name, key in table.items()}
 
@@ -215,7 +239,7 @@ def _string(gathered: Gathered, kind: str) -> str | None:
     return found[0][0] if found else None
 
 
-def _superfluous_strings(gathered: Gathered) -> Iterable[str]:
+def _superfluous_strings(gathered: Gathered) -> Iterator[str]:
     """Known strings beyond the one that was used; a filter's key may stand once for each filter."""
     for kind, found in gathered.strings.items():
         if kind != "filter":

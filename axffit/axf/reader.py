@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import InputError
 from . import layout
 from .gather import Gathered
-from .hdf5 import Leaf, Tree, opened, printable, walk
+from .hdf5 import Leaf, Tree, opened, walk
 from .infer import interpret
 from .material import AxfFile, AxfMaterial
 from .names import fold
@@ -40,29 +40,33 @@ def read(path: str | Path, *, validate: bool = True) -> AxfFile:
 def _read(tree: Tree, source: str, *, validate: bool) -> AxfFile:
     root = {leaf.name: leaf for leaf in tree.leaves if leaf.attribute and len(leaf.parts) == 1}
     own = layout.OWN_VERSION in root
-    used = {leaf.path for name, leaf in root.items() if name in _ROOT_NAMES}
     inferred = []
     version = _version(root)
     if version is None:
         version = (0, 0, 0)
         inferred.append("no AxF version in the root attributes: taken as 0.0.0")
     materials: list[tuple[int, AxfMaterial]] = []
-    ids = [group[-1] for group in tree.groups if len(group) == 2 and fold(group[0]) == fold(layout.MATERIALS)]
-    if not ids:
+    leaves: dict[tuple[str, ...], list[Leaf]] = {
+        group: [] for group in tree.groups if len(group) == 2 and fold(group[0]) == fold(layout.MATERIALS)
+    }
+    if not leaves:
         raise InputError(f"no material; an AxF file has a group /{layout.MATERIALS}/<material id>")
-    claimed: set[str] = set()
-    for name in ids:
-        below = [leaf for leaf in tree.leaves if _is_below(leaf.parts, name)]
-        claimed.update(leaf.path for leaf in below)
-        gathered = Gathered.collect(below, name)
-        index, material = interpret(gathered, _links(tree, name), own=own)
+    unread: dict[tuple[str, ...], list[str]] = {group: [] for group in leaves}
+    elsewhere = []
+    for leaf in tree.leaves:
+        if not (leaf.attribute and leaf.parts in _ROOT):
+            leaves.get(leaf.parts[:2], elsewhere).append(leaf)
+    outside = [leaf.path for leaf in elsewhere]
+    for parts, line in tree.unread:
+        unread.get(parts[:2], outside).append(line)
+    for group in leaves:
+        index, material = interpret(Gathered.collect(leaves[group], group[-1]), unread[group], own=own)
         if validate:
             check(material)
         materials.append((index, material))
-    used |= claimed
-    outside = [leaf.path for leaf in tree.leaves if leaf.path not in used]
-    outside += [link for link in tree.links if not any(link.startswith(_prefix(name)) for name in ids)]
     materials.sort(key=lambda entry: entry[0])
+    if len({material.id for _, material in materials}) < len(materials):
+        raise InputError("two materials share an id; give each its own")
     return AxfFile(
         tuple(material for _, material in materials),
         version=version,
@@ -72,7 +76,7 @@ def _read(tree: Tree, source: str, *, validate: bool) -> AxfFile:
     )
 
 
-_ROOT_NAMES = (*layout.VERSION_ATTRIBUTES, layout.OWN_VERSION, layout.OWN_LAYOUT)
+_ROOT = {(name,) for name in (*layout.VERSION_ATTRIBUTES, layout.OWN_VERSION, layout.OWN_LAYOUT)}
 
 
 def _version(root: dict[str, Leaf]) -> tuple[int, int, int] | None:
@@ -82,19 +86,7 @@ def _version(root: dict[str, Leaf]) -> tuple[int, int, int] | None:
         if leaf is None or not leaf.is_number:
             return None
         number = np.asarray(leaf.array()).reshape(-1)[0]
-        if not np.isfinite(number):
-            raise InputError(f"{leaf.path} is {number}; an AxF version is a whole number")
+        if not 0 <= number < 2**32 or number != np.trunc(number):
+            raise InputError(f"{leaf.path} is {number}; an AxF version is a whole number below 2^32")
         numbers.append(int(number))
     return numbers[0], numbers[1], numbers[2]
-
-
-def _is_below(parts: tuple[str, ...], material: str) -> bool:
-    return len(parts) > 2 and fold(parts[0]) == fold(layout.MATERIALS) and parts[1] == material
-
-
-def _prefix(material: str) -> str:
-    return printable(f"/{layout.MATERIALS}/{material}/")
-
-
-def _links(tree: Tree, material: str) -> list[str]:
-    return [link for link in tree.links if link.startswith(_prefix(material))]

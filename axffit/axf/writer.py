@@ -11,7 +11,7 @@ import numpy as np
 from .. import __version__
 from ..errors import InputError
 from . import layout
-from .hdf5 import one_line
+from .hdf5 import MAXIMUM_TEXT, one_line
 from .material import AxfFile, AxfMaterial, AxfTexture
 from .names import DIFFUSE_MODELS, FILTERS, SPECULAR_MODELS, TEXTURES
 from .validation import check
@@ -56,6 +56,8 @@ def _check_file(file: AxfFile) -> None:
             raise InputError("a material has an empty id; give it a name")
     if not file.materials:
         raise InputError("no material to write; give at least one")
+    if not all(0 <= number < 2**32 for number in file.version):
+        raise InputError(f"AxF version {file.version}; give three whole numbers below 2^32")
     for material in file.materials:
         check(material)
 
@@ -70,9 +72,8 @@ def _write_root(target: h5py.File, file: AxfFile) -> None:
 
 def _write_material(target: h5py.File, material: AxfMaterial, index: int) -> None:
     group = target.require_group(layout.MATERIALS).create_group(_name(layout.escape(material.id)))
-    resources = group.create_group(layout.RESOURCES)
     for key, texture in material.textures.items():
-        _write_texture(resources.create_group(TEXTURES[key].node), texture)
+        _write_texture(group.create_group(f"{layout.RESOURCES}/{TEXTURES[key].node}"), texture)
     _write_description(group.create_group(f"{layout.REPRESENTATIONS}/{layout.OWN_GROUP}"), material, index)
 
 
@@ -119,6 +120,8 @@ def _write_text(group: h5py.Group, name: str, text: str) -> None:
 def _text(text: str) -> np.ndarray:
     """A text as HDF5's fixed-length UTF-8 string; the array's type says so to h5py."""
     encoded = _name(text).encode("utf-8")
+    if len(encoded) > MAXIMUM_TEXT:
+        raise InputError(f"a text of {len(encoded)} bytes ({text[:20]!r}…); at most {MAXIMUM_TEXT} are written")
     return np.array(encoded, dtype=h5py.string_dtype("utf-8", max(len(encoded), 1)))
 
 
