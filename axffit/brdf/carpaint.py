@@ -8,6 +8,7 @@ from axffit._types import RGB, Direction, Scalar
 from axffit.brdf.base import AbstractBRDF, as_parameter
 from axffit.brdf.color_table import ColorTable, white_color_table
 from axffit.brdf.cook_torrance import beckmann, v_groove_over_cosines
+from axffit.brdf.flakes import Flakes
 from axffit.brdf.geometry import HalfGeometry, half_angles, half_geometry
 from axffit.numerics import power5, safe_atan2
 
@@ -15,9 +16,9 @@ MAX_LOBES = 4
 
 
 class CarPaint(AbstractBRDF):
-    """The base of a car paint: brightness times color, all directions below the coat.
+    """The base of a car paint: brightness times color plus flakes, all directions below the coat.
 
-        f = chi(theta_h, theta_d) b
+        f = chi(theta_h, theta_d) b + Xi(uv, theta_h, theta_d)
         b = a / pi + sum_k s_k / pi · D_k(h) F_k(<h,o>) G / (i_z o_z)
 
     D_k, G of Cook-Torrance with spread alpha_k, F_k = F0_k + (1 - F0_k)(1 - <h,o>)⁵. A whole paint is
@@ -29,6 +30,7 @@ class CarPaint(AbstractBRDF):
         f0: F0_k, AxF ``CT_F0s``, (K,), in [0, 1].
         spreads: alpha_k, AxF ``CT_spreads``, (K,), > 0; up to 8 in real paints.
         color_table: chi, AxF ``BRDFcolors``; white by default.
+        flakes: Xi, AxF ``BTFflakes``, at one place of the surface, or None.
     """
 
     diffuse: Scalar = eqx.field(converter=as_parameter)
@@ -36,6 +38,7 @@ class CarPaint(AbstractBRDF):
     f0: Float[Array, " lobes"] = eqx.field(converter=as_parameter)
     spreads: Float[Array, " lobes"] = eqx.field(converter=as_parameter)
     color_table: ColorTable = eqx.field(default_factory=white_color_table)
+    flakes: Flakes | None = None
 
     def __check_init__(self):
         counts = (self.coefficients.shape[-1], self.f0.shape[-1], self.spreads.shape[-1])
@@ -52,8 +55,9 @@ class CarPaint(AbstractBRDF):
         return (self.diffuse + jnp.sum(lobes) * v_groove_over_cosines(half)) / jnp.pi
 
     def value(self, wi: Direction, wo: Direction) -> RGB:
-        """chi b."""
+        """Brightness times color, plus flakes."""
         half = half_geometry(wi, wo)
         theta_h = safe_atan2(*half_angles(half))
         theta_d = safe_atan2(half.sin_d, half.cos_d)
-        return self.color_table.lookup(theta_h, theta_d) * self.brightness(half)
+        value = self.color_table.lookup(theta_h, theta_d) * self.brightness(half)
+        return value if self.flakes is None else value + self.flakes.lookup(theta_h, theta_d)

@@ -41,6 +41,24 @@ def test_texel_conventions_place_the_ends(convention, first, last):
     np.testing.assert_allclose(lookup(table, 0.0, 0.0), [0, 0, 1], atol=1e-14)
 
 
+def test_flipped_storage_is_the_same_table():
+    values = ramp(4, 8)
+    angles = (0.37, 0.81)
+    np.testing.assert_allclose(
+        lookup(ColorTable(values[::-1], flipped=True), *angles), lookup(ColorTable(values), *angles), rtol=1e-12
+    )
+
+
+def test_diagonal_clamp_never_looks_past_the_diagonal():
+    values = ramp(32, 32)
+    row, column = np.meshgrid(np.arange(32), np.arange(32), indexing="ij")
+    values[row + column > 32] = np.nan  # not measured
+    clamped = ColorTable(values, diagonal_clamp=True)
+    inside, outside = (0.5, 0.6), (0.5, 1.4)
+    np.testing.assert_array_equal(lookup(clamped, *inside), lookup(ColorTable(values), *inside))
+    np.testing.assert_allclose(lookup(clamped, *outside), lookup(clamped, 0.5, np.pi / 2 - 0.5), rtol=1e-12)
+
+
 def test_gradient_of_a_lookup_is_its_four_weights():
     def red(values):
         return ColorTable(values).lookup(

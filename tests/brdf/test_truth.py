@@ -68,7 +68,7 @@ def oren_nayar(i, o):
     turn = mp.cos(mp.atan2(i[1], i[0]) - mp.atan2(o[1], o[0])) if theta_i and theta_o else mp.mpf(0)
     narrow, wide = (theta_i, theta_o) if i[2] > o[2] else (theta_o, theta_i)
     a, b = 1 - r**2 / (r**2 + mp.mpf("0.33")) / 2, mp.mpf("0.45") * r**2 / (r**2 + mp.mpf("0.09"))
-    return (a + b * max(mp.mpf(0), turn) * mp.sin(wide) * mp.tan(narrow)) / mp.pi
+    return (a + b * (turn if turn > 0 else 0) * mp.sin(wide) * mp.tan(narrow)) / mp.pi
 
 
 NU, NV = mp.mpf(10), mp.mpf(300)
