@@ -6,8 +6,9 @@ Two definitions, each over views and lights at least 1° above the horizon, f th
     (c)  max |log f' - log f| where f i_z >= 1e-3 of that view's peak
 
 Plain relative error over the whole hemisphere means nothing for Gaussian lobes (far out it reaches any value), and one
-peak for all views is ill-defined where f i_z grows without bound at grazing. Within 1° of a tilted normal's horizon f
-jumps to 0 somewhere inside the normal's error; that strip is reported apart.
+peak for all views is ill-defined where f i_z grows without bound at grazing. Two things are reported apart, as the
+strip: lights and views within 1° of a tilted normal's horizon, where f jumps to 0 somewhere inside the normal's error,
+and views whose mirror direction lies there or below, which see only a lobe's tail and no peak to compare with.
 """
 
 from collections.abc import Callable
@@ -69,7 +70,7 @@ class BrdfErrors:
     Attributes:
         peak_relative: definition (b).
         log_ratio: definition (c).
-        strip: definition (b) within 1° of a shading normal's horizon.
+        strip: definition (b) within 1° of a shading normal's horizon, and in views whose mirror direction is there.
         texels: texels sampled.
         views: views of each.
         lights: lights of each view.
@@ -211,17 +212,25 @@ def _errors(
     clear = high
     for vectors in normals:
         clear = clear & (_lowest_cosine(wi, *vectors) >= LOWEST) & (_lowest_cosine(wo, *vectors) >= LOWEST)
-    peak = jnp.max(jnp.where(clear[..., None], f, 0.0), axis=(2, 3), keepdims=True)
+    # The first light is the mirror direction.
+    clear = clear & clear[:, :, :1]
+    difference = jnp.max(jnp.abs(g - f), axis=-1)
+    peak, strip_peak = (jnp.max(jnp.where(m[..., None], f, 0.0), axis=(2, 3), keepdims=True) for m in (clear, high))
     lit = peak > 0
-    difference = jnp.max(jnp.abs(g - f) / jnp.where(lit, peak, 1.0) * lit, axis=-1)
     relevant = lit & (f >= RELEVANT * peak)
     ratio = jnp.abs(jnp.log(jnp.where(relevant & (g > 0), g, 1.0)) - jnp.log(jnp.where(relevant & (g > 0), f, 1.0)))
     ratio = jnp.max(jnp.where(relevant & ~(g > 0), jnp.inf, ratio), axis=-1)
     return {
-        "peak_relative": jnp.where(clear, difference, 0.0),
+        "peak_relative": _over_peak(difference, peak, clear),
         "log_ratio": jnp.where(clear, ratio, 0.0),
-        "strip": jnp.where(high & ~clear, difference, 0.0),
+        "strip": _over_peak(difference, strip_peak, high & ~clear),
     }
+
+
+def _over_peak(difference: jax.Array, peak: jax.Array, where: jax.Array) -> jax.Array:
+    """|f' - f| i_z over the view's peak; 0 elsewhere and where the view sees no light at all."""
+    peak = peak[..., 0]
+    return jnp.where(where & (peak > 0), difference / jnp.where(peak > 0, peak, 1.0), 0.0)
 
 
 def _lowest_cosine(v: jax.Array, base: jax.Array, coat: jax.Array, ior: jax.Array) -> jax.Array:

@@ -63,19 +63,25 @@ def even_lights(count: int) -> np.ndarray:
 
 
 def half_vectors(roughness: np.ndarray, rings: int, spokes: int) -> np.ndarray:
-    """Half vectors (n, lobes · rings · spokes, 3) in the lobe's own frame, for roughness (n, lobes, 2).
+    """Half vectors (n, 1 + lobes · rings · spokes, 3) in the lobe's own frame, for roughness (n, lobes, 2).
 
-    Rings lie evenly in y from 0 to where tan(theta_h) = alpha sinh(y) reaches 57 (theta_h = 89°) along the wider axis.
+    The first is the normal, which gives the mirror direction. Along a spoke tan(theta_h) = alpha sinh(y): half of the
+    rings lie evenly in y up to 2.2, where a Gaussian lobe has fallen to 2e-9, the others from there to 57 (89°) along
+    the wider axis.
     """
     widest = roughness.max(axis=-1)[..., None, None]
-    y = np.arcsinh(57.0 / widest) * ((np.arange(rings) + 0.25) / rings)[:, None]
+    last = np.arcsinh(57.0 / widest)
+    inner = np.minimum(2.2, 0.5 * last)
+    step = ((np.arange(rings // 2) + 0.5) / (rings // 2))[:, None]
+    y = np.concatenate([inner * step, inner + (last - inner) * step], axis=-2)
     # Spokes of neighboring rings are set off against each other.
-    phi = 2 * np.pi * (np.arange(spokes) + 0.5 * (np.arange(rings)[:, None] % 2)) / spokes
+    phi = 2 * np.pi * (np.arange(spokes) + 0.5 * (np.arange(y.shape[-2])[:, None] % 2)) / spokes
     x = roughness[..., 0, None, None] * np.sinh(y) * np.cos(phi)
     z = roughness[..., 1, None, None] * np.sinh(y) * np.sin(phi)
     vectors = np.stack([x, z, np.ones_like(x)], axis=-1)
     vectors /= np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return vectors.reshape(len(roughness), -1, 3)
+    normal = np.broadcast_to([0.0, 0.0, 1.0], (len(roughness), 1, 3))
+    return np.concatenate([normal, vectors.reshape(len(roughness), -1, 3)], axis=1)
 
 
 @jax.jit

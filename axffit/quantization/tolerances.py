@@ -93,22 +93,30 @@ def _entries(
         raise InputError(f"{source}: schema_version is {version!r}; this axffit reads {SCHEMA_VERSION}")
     for name, entry in _leaves({key: value for key, value in content.items() if key != "schema_version"}, "", source):
         if name not in known_names():
-            raise InputError(f"{source}: unknown entry [{name}]; allowed: {', '.join(known_names())}")
+            raise InputError(f"{source}: unknown entry [{name}]; allowed: {', '.join(_names_near(name))}")
         yield name, _tolerance(entry, defaults.get(name, Tolerance(math.inf)), f"{source}: [{name}]", name)
 
 
 def _leaves(table: Mapping[str, Any], prefix: str, source: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """Tables without tables in them, by dotted name."""
+    """Tables that are entries (no longer the beginning of a known name), by dotted name."""
     for key, value in table.items():
         name = f"{prefix}{key}"
         if not isinstance(value, Mapping):
-            raise InputError(
-                f"{source}: {name} = {value!r} is not in a table; write [{prefix}...] and limit = {value!r}"
-            )
-        if any(isinstance(entry, Mapping) for entry in value.values()):
+            raise InputError(f"{source}: {name} = {value!r} is not in a table; write [{name}] and limit = {value!r}")
+        if any(known.startswith(f"{name}.") for known in known_names()):
             yield from _leaves(value, f"{name}.", source)
         else:
             yield name, value
+
+
+def _names_near(name: str) -> list[str]:
+    """The known names that share the most leading parts with an unknown one."""
+    parts = name.split(".")
+    for length in range(len(parts), 0, -1):
+        near = [known for known in known_names() if known.split(".")[:length] == parts[:length]]
+        if near:
+            return near
+    return ["textures.<AxF name>.<measure>", *(known for known in known_names() if not known.startswith("textures."))]
 
 
 def _tolerance(entry: Mapping[str, Any], default: Tolerance, where: str, name: str) -> Tolerance:

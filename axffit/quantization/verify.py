@@ -187,7 +187,7 @@ def _brdf_verdict(
     by_axf = {packed.textures[name].axf_name: e for name, e in errors.items()}
     try:
         seen = module.unpack(_without_flakes(packed))
-        with jax.enable_x64(True):  # noqa: FBT003  (its only parameter)
+        with jax.enable_x64(new_val=True):
             uv = sample_texels(material, by_axf, TEXELS[material.kind])
             found = brdf_errors(material, seen, uv, lambda done: report("measuring the reflectance", done))
     except InputError as error:

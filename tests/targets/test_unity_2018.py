@@ -11,8 +11,7 @@ from axffit.targets import unity_2018
 from axffit.targets.bitfields import Flags
 from axffit.textures import ROUNDINGS, format_named
 from axffit.textures.rerange import Counts
-
-from .materials import MATERIALS, paint, texture, ward, with_texture, without
+from tests.targets.materials import MATERIALS, paint, texture, ward, with_texture, without
 
 every_material = pytest.mark.parametrize("name", MATERIALS)
 MAPS = [(kind, axf_name) for kind, make in MATERIALS.items() for axf_name in make().textures]

@@ -9,8 +9,7 @@ from axffit.axf.properties import PROPERTY_TYPES
 from axffit.targets import unity_2018
 from axffit.targets.unity_properties import TEXTURE_ROWS, VALUE_ROWS, Absent, ValueType
 from axffit.textures import FORMATS
-
-from .materials import MATERIALS, paint, ward, without
+from tests.targets.materials import MATERIALS, paint, ward, without
 
 SPECIFIED = {
     "_SVBRDF_DiffuseColorMap_sRGB": ("diffusecolor", "RGBA16F", (0, 0, 0, 0)),

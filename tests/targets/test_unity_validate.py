@@ -7,8 +7,7 @@ import pytest
 
 from axffit.targets import unity_2018
 from axffit.targets.base import PackedMaterial
-
-from .materials import MATERIALS, paint, ward, without
+from tests.targets.materials import MATERIALS, paint, ward, without
 
 
 def changed(material, drop=(), **values) -> PackedMaterial:

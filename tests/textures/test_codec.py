@@ -9,8 +9,7 @@ from axffit.errors import InputError
 from axffit.textures import ROUNDINGS
 from axffit.textures.codec import check_rounding
 from axffit.textures.floats import SINGLE
-
-from .codecs import CODECS, REAL_CODECS, finite_codes
+from tests.textures.codecs import CODECS, REAL_CODECS, finite_codes
 
 every_codec = pytest.mark.parametrize("name", CODECS)
 real_codec = pytest.mark.parametrize("name", REAL_CODECS)
