@@ -91,7 +91,7 @@ def _value_problems(key: str, texture: AxfTexture, node: str, specular_model: st
         for bound in (legal, FRESNEL_MAXIMUM) if key == "fresnel" else (legal,):
             bad = bound.beyond(level) if bound.outside is Outside.ERROR else np.zeros(1, bool)
             if bad.any():
-                yield f"{where}: {_place(bad, level)} in {key} ({bound.unit}) outside {bound}"
+                yield f"{where}: {_place(bad, level)} in {key} ({bound.unit}) outside {bound}; correct them"
         if key in ("normal", "clearcoatnormal"):
             bad = np.all(level == 0, axis=-1)
             if bad.any():
@@ -116,7 +116,7 @@ def _property_problems(material: AxfMaterial) -> Iterator[str]:
         if bad.any():
             index = int(np.flatnonzero(bad)[0])
             entry = f"{name}[{index}]" if np.ndim(value) else name
-            yield f"{material.id}: property {entry} is {values[index]}; allowed: {_in_words(legal)}"
+            yield f"{material.id}: property {entry} is {values[index]}; allowed: {_in_words(legal)}: correct it"
 
 
 def _in_words(legal: Range) -> str:

@@ -94,7 +94,7 @@ def test_values_that_a_target_replaces_pass(key, value):
 )
 def test_values_outside_their_range_are_refused(key, value, said):
     problem = first_problem(with_texture(key, changed(key, (1, 0, 0), value)))
-    assert problem == f"/node/of/{key}: 1 value (first at [1, 0, 0]: {value}) in {key} {said}"
+    assert problem == f"/node/of/{key}: 1 value (first at [1, 0, 0]: {value}) in {key} {said}; correct them"
 
 
 def test_phong_lobes_hold_exponents():
