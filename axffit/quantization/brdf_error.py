@@ -101,7 +101,7 @@ def brdf_errors(
         InputError: a model that axffit does not evaluate.
     """
     before = without_negative_colors(before)
-    models = [_texel_models(material, uv) for material in (before, after)]
+    models = [_texels(material, uv) for material in (before, after)]
     frames = [_lobe_frames(material, uv) for material in (before, after)]
     wo, even = views(len(uv)), even_lights(EVEN_LIGHTS)
     worst: dict[str, Found] = {}
@@ -113,7 +113,7 @@ def brdf_errors(
         # Every batch has the same shape, so that one compilation serves all.
         full = np.resize(part, BATCH)
         errors = _errors(
-            (_take(models[0], full), _take(models[1], full)),
+            (models[0].take(full), models[1].take(full)),
             (_normals(frames[0], full), _normals(frames[1], full)),
             wi,
             jnp.asarray(wo[full]),
@@ -144,16 +144,40 @@ def without_negative_colors(material: AxfMaterial) -> AxfMaterial:
     return replace(material, textures=textures)
 
 
-def _texel_models(material: AxfMaterial, uv: np.ndarray) -> AbstractBRDF:
-    """A BRDF whose array leaves have the texels' axis; a car paint gets the texels' coat normals."""
+class Texels(eqx.Module):
+    """BRDFs that differ between texels in some array leaves and share the others.
+
+    Attributes:
+        own: the BRDF with only the leaves that have the texels' axis.
+        shared: the BRDF with all the others (a car paint's lobes, color table and flakes).
+    """
+
+    own: AbstractBRDF
+    shared: AbstractBRDF
+
+    def take(self, part: np.ndarray) -> "Texels":
+        """Some of the texels."""
+        return Texels(jax.tree.map(lambda leaf: leaf[part], self.own), self.shared)
+
+    def reflect(self, wi: jax.Array, wo: jax.Array) -> jax.Array:
+        """f i_z for directions (n, ..., 3), each texel its own."""
+
+        def single(own: AbstractBRDF, wi: jax.Array, wo: jax.Array) -> jax.Array:
+            return eqx.combine(own, self.shared).evaluate(wi, wo) * wi[..., 2:]
+
+        return eqx.filter_vmap(single)(self.own, wi, wo)
+
+
+def _texels(material: AxfMaterial, uv: np.ndarray) -> Texels:
+    """The BRDFs at texture coordinates; of a car paint only the coat's normal belongs to the texel."""
     model = to_brdf(material, uv=uv)
     if material.kind is MaterialKind.SVBRDF:
-        return model
+        return Texels(*eqx.partition(model, eqx.is_array))
     assert isinstance(model, ClearCoat)
-    arrays, rest = eqx.partition(model, eqx.is_array)
-    arrays = jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, (len(uv), *leaf.shape)), arrays)
     normals = jnp.asarray(gather(material, uv)["clearcoatnormal"])
-    return eqx.tree_at(lambda m: m.normal, eqx.combine(arrays, rest), normals)
+    model = eqx.tree_at(lambda m: m.normal, model, normals)
+    own = eqx.tree_at(lambda m: m.normal, jax.tree.map(lambda leaf: False, model), replace=True)
+    return Texels(*eqx.partition(model, own))
 
 
 def _lobe_frames(material: AxfMaterial, uv: np.ndarray) -> LobeFrames:
@@ -166,6 +190,9 @@ def _lobe_frames(material: AxfMaterial, uv: np.ndarray) -> LobeFrames:
         ior = np.full(len(uv), float(material.properties.get("IOR", 1.5)))
     else:
         lobe = maps["specularlobe"]
+        if material.specular_model in ("BlinnPhong", "Phong"):
+            # The map holds log2 of an exponent n; a Gaussian of roughness sqrt(2 / (n + 2)) is about as wide.
+            lobe = np.sqrt(2.0 / (np.exp2(lobe) + 2.0))
         roughness = np.broadcast_to(np.maximum(lobe, ROUGHNESS_FLOOR), (len(uv), 2))[:, None]
         normal, rotation = maps["normal"], maps["anisrotation"][..., 0] * material.anisotropic
         ior = maps["clearcoatior"][..., 0]
@@ -186,11 +213,6 @@ def _lights(frames: LobeFrames, wo: np.ndarray, even: np.ndarray, part: np.ndarr
     return jnp.concatenate([crowded, spread], axis=2)
 
 
-def _take(model: AbstractBRDF, part: np.ndarray) -> AbstractBRDF:
-    arrays, rest = eqx.partition(model, eqx.is_array)
-    return eqx.combine(jax.tree.map(lambda leaf: leaf[part], arrays), rest)
-
-
 def _normals(frames: LobeFrames, part: np.ndarray) -> Normals:
     """Base normal, coat normal and index of the texels, from which the strip near a horizon is known."""
     unit = [x / np.linalg.norm(x, axis=-1, keepdims=True) for x in (frames.normal[part], frames.coat_normal[part])]
@@ -199,15 +221,14 @@ def _normals(frames: LobeFrames, part: np.ndarray) -> Normals:
 
 @eqx.filter_jit
 def _errors(
-    models: tuple[AbstractBRDF, AbstractBRDF],
+    models: tuple[Texels, Texels],
     normals: tuple[Normals, Normals],
     wi: jax.Array,
     wo: jax.Array,
 ) -> dict[str, jax.Array]:
     """The three errors at every (texel, view, light); 0 where a definition does not look."""
     wo = jnp.broadcast_to(wo[:, :, None], wi.shape)
-    evaluate = eqx.filter_vmap(lambda model, i, o: model.evaluate(i, o) * i[..., 2:])
-    f, g = (evaluate(model, wi, wo) for model in models)
+    f, g = (model.reflect(wi, wo) for model in models)
     high = (wi[..., 2] >= LOWEST) & (wo[..., 2] >= LOWEST)
     clear = high
     for vectors in normals:

@@ -49,12 +49,19 @@ def _extremes(material: AxfMaterial, errors: Mapping[str, MapErrors], grid: tupl
             continue
         channels = [errors[key].picture.reshape(-1), *np.moveaxis(texture.data.reshape(-1, texture.channels), -1, 0)]
         for values in channels:
-            order = np.argsort(np.nan_to_num(values.astype(np.float64)), kind="stable")
-            ranked.append((texture, np.concatenate([order[-EXTREMES:][::-1], order[:EXTREMES]])))
+            ranked.append((texture, _ends(np.nan_to_num(values.astype(np.float64)))))
     for rank in range(2 * EXTREMES):
         yield from (
             _on_grid(texture, order[rank : rank + 1], reference, grid) for texture, order in ranked if len(order) > rank
         )
+
+
+def _ends(values: np.ndarray) -> np.ndarray:
+    """Indices of the largest and of the smallest values, the most extreme first."""
+    count = min(EXTREMES, values.size)
+    largest = np.argpartition(values, -count)[-count:]
+    smallest = np.argpartition(values, count - 1)[:count]
+    return np.concatenate([largest[np.argsort(-values[largest])], smallest[np.argsort(values[smallest])]])
 
 
 def _on_grid(

@@ -184,11 +184,18 @@ def test_the_slice_table_as_an_integer_texture():
 
 
 def test_a_model_that_is_not_evaluated_is_said_so():
-    material = replace(ward(), specular_model="Phong", specular_variant=None)
-    verdict = verify(with_texture(material, "specularlobe", np.full((4, 4, 1), 5.0)))
+    verdict = verify(replace(ward(), specular_model="GGX", specular_variant="Ward1992"))
     assert verdict.brdf.errors is None
-    assert "Phong" in verdict.brdf.reason
+    assert "GGX" in verdict.brdf.reason
     jsonschema.validate(json.loads(json.dumps(verdict.to_json(), allow_nan=False)), schema())
+
+
+def test_a_lobe_map_of_exponents():
+    material = replace(ward(), specular_model="Phong", specular_variant=None, anisotropic=False)
+    verdict = verify(with_texture(material, "specularlobe", 5 + 4 * np.random.default_rng(0).random((16, 16, 1))))
+    assert verdict.brdf.errors is not None
+    # A half rounds the exponent's logarithm 9 by 2^-8 at most, the exponent 512 by a quarter of a percent.
+    assert 1e-4 < verdict.brdf.errors.log_ratio.value < 0.03
 
 
 @settings(max_examples=20)
