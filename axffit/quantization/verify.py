@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..targets import PackedMaterial, PackedTexture, Problem, target_named
 from .brdf_error import brdf_errors
 from .maps import MapErrors, map_errors
+from .measures import has_color_science
 from .samples import sample_texels
 from .slice_lut import lut_json
 from .tolerances import BRDF_CHECKS, Tolerances, default_tolerances, read_tolerances
@@ -95,7 +96,7 @@ def verify_packed(
         brdf=_brdf_verdict(material, packed, module, errors, tolerances, report),
         problems=tuple(problems),
         values=packed.values,
-        notes=packed.notes,
+        notes=(*packed.notes, *_missing_measures()),
         tolerances=tolerances.source,
         error_maps={name: e.picture for name, e in errors.items()},
     )
@@ -105,6 +106,12 @@ def _tolerances(given: Tolerances | Path | str | None) -> Tolerances:
     if given is None:
         return default_tolerances()
     return given if isinstance(given, Tolerances) else read_tolerances(given)
+
+
+def _missing_measures() -> tuple[str, ...]:
+    if has_color_science():
+        return ()
+    return ("dE2000 is not measured: it needs colour-science (pip install axffit[color])",)
 
 
 def _lost(material: AxfMaterial, packed: PackedMaterial) -> Iterator[Problem]:

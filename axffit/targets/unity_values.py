@@ -20,7 +20,7 @@ from .bitfields import (
     Flags,
     word_from_float,
 )
-from .unity_properties import MAXIMUM_LOBES, VALUE_ROWS, VALUES_BY_NAME, ValueType
+from .unity_properties import MAXIMUM_LOBES, TEXTURE_ROWS, VALUE_ROWS, VALUES_BY_NAME, ValueType
 
 SUPPORTED_IN_2018 = {"Lambert", "Ward"}
 """Models that the source of the table supports; it defines codes for the others."""
@@ -83,6 +83,10 @@ def material_notes(material: AxfMaterial) -> Iterator[str]:
     for model in (material.diffuse_model, material.specular_model):
         if material.kind is MaterialKind.SVBRDF and model not in SUPPORTED_IN_2018:
             yield f"{model} has a code in the target's table, but the shader of 2018 does not support it"
+    placed = {row.axf_name for row in TEXTURE_ROWS if material.kind in row.kinds}
+    unplaced = [key for key in material.textures if key not in placed]
+    if unplaced:
+        yield f"not packed, the target has no place for them in a {material.kind.value}: {', '.join(unplaced)}"
     sizes = {(t.width_mm, t.height_mm) for t in _sized_maps(material)}
     if len(sizes) > 1:
         listed = ", ".join(f"{u:g} x {v:g}" for u, v in sorted(sizes))

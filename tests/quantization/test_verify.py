@@ -1,6 +1,7 @@
 """The verdict: within for what is packed as advised, planted faults named, monotone in the tolerance, valid JSON."""
 
 import json
+import sys
 from dataclasses import replace
 from functools import cache
 
@@ -229,6 +230,15 @@ def test_tolerances_decide(tmp_path):
     assert strict.failures()[0].startswith("textures.normal.angle: 0.001")
     everything_off = Tolerances({name: Tolerance(np.inf) for name in default_tolerances().entries})
     assert verify(with_texture(ward(), "clearcoatior", np.full((4, 4, 1), 0.5)), tolerance=everything_off).within
+
+
+def test_without_the_color_extra_the_verdict_says_what_is_missing(monkeypatch):
+    for module in ("measures", "verify"):
+        monkeypatch.setattr(sys.modules[f"axffit.quantization.{module}"], "has_color_science", lambda: False)
+    verdict = verify(paint())
+    assert verdict.within
+    assert any("dE2000 is not measured" in note for note in verdict.notes)
+    assert not [check for check in verdict.checks() if "delta_e" in check.name]
 
 
 def test_progress_runs_through_three_stages():

@@ -218,6 +218,19 @@ def test_a_model_the_shader_does_not_support_is_noted():
     assert any("GGX" in note for note in packed.notes)
 
 
+def test_a_map_the_target_has_no_place_for_is_noted():
+    packed = unity_2018.pack(with_texture(paint(), "height", np.zeros((4, 4, 1))))
+    assert "_SVBRDF_HeightMap" not in packed.textures
+    assert any("no place for them in a CarPaint2: height" in note for note in packed.notes)
+
+
+def test_flakes_of_another_size_come_with_the_tiling_that_keeps_it():
+    flakes = replace(paint().textures["btfflakes"], width_mm=1.5, height_mm=1.5)
+    packed = unity_2018.pack(replace(paint(), textures={**paint().textures, "btfflakes": flakes}))
+    assert packed.values["_materialSizeU_mm"] == 30
+    assert any("_CarPaint_FlakesTiling 20" in note for note in packed.notes)
+
+
 WRONG = {
     "an unknown texture": ({"bump": "RGBA16F"}, "a format is given for 'bump'"),
     "a format of the wrong row": ({"normal": "R8_UNORM"}, "_SVBRDF_NormalMap of 3 channels cannot be R8_UNORM"),
