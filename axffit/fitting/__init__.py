@@ -1,0 +1,30 @@
+"""Which parameters explain a sampled BRDF, and how sure that is.
+
+The modules load JAX; the names below are what other rooms use.
+"""
+
+from axffit.fitting.compare import Comparison as Comparison
+from axffit.fitting.compare import Region as Region
+from axffit.fitting.compare import compare as compare
+from axffit.fitting.fit import fit as fit
+from axffit.fitting.limits import Limit as Limit
+from axffit.fitting.limits import half_difference_limit as half_difference_limit
+from axffit.fitting.limits import reciprocal_limit as reciprocal_limit
+from axffit.fitting.metrics import POLAR_LIMIT as POLAR_LIMIT
+from axffit.fitting.metrics import Metrics as Metrics
+from axffit.fitting.metrics import evaluate_samples as evaluate_samples
+from axffit.fitting.metrics import metrics_of as metrics_of
+from axffit.fitting.models import MODEL_NAMES as MODEL_NAMES
+from axffit.fitting.models import CarPaintModel as CarPaintModel
+from axffit.fitting.models import Coat as Coat
+from axffit.fitting.models import LambertModel as LambertModel
+from axffit.fitting.models import SingleLobeModel as SingleLobeModel
+from axffit.fitting.models import parse_model as parse_model
+from axffit.fitting.residuals import RESIDUALS as RESIDUALS
+from axffit.fitting.residuals import CosineWeighted as CosineWeighted
+from axffit.fitting.residuals import CubeRoot as CubeRoot
+from axffit.fitting.residuals import LogCosine as LogCosine
+from axffit.fitting.residuals import NoiseWeighted as NoiseWeighted
+from axffit.fitting.result import FitResult as FitResult
+from axffit.fitting.result import Outcome as Outcome
+from axffit.fitting.result import ParameterEstimate as ParameterEstimate

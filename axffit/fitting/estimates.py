@@ -1,0 +1,157 @@
+"""From a covariance to named parameters with an honest status each."""
+
+import numpy as np
+
+from axffit.fitting.models import ROUGHNESS_BOUNDS, AbstractFitModel, CarPaintModel, Shapes
+from axffit.fitting.result import ParameterEstimate, Status
+from axffit.fitting.separable import SeparableProblem, Weights
+from axffit.fitting.uncertainty import Covariance, parameter_covariance
+
+_WIDEST_F0 = 0.25
+_WIDEST_LOG_ROUGHNESS = 1.0
+_CHANNELS = ("R", "G", "B")
+
+
+def _channel_name(name: str, channel: int, count: int) -> str:
+    return name if count == 1 else f"{name} {_CHANNELS[channel] if count == 3 else channel}"
+
+
+class _Estimator:
+    """Makes estimates from one covariance; ``conditional`` turns identified parameters into conditional ones."""
+
+    def __init__(self, covariance: Covariance, *, conditional: bool):
+        self.covariance = covariance
+        self.conditional = conditional
+
+    def unit(self, index: int) -> np.ndarray:
+        return np.eye(len(self.covariance.free))[index]
+
+    def estimate(
+        self,
+        name: str,
+        value: float,
+        gradient: np.ndarray,
+        *,
+        high: float = np.inf,
+        low: float = 0.0,
+        at_bound: bool = False,
+        undetermined: bool = False,
+        given_a_bound: bool = False,
+    ) -> ParameterEstimate:
+        touched = gradient != 0
+        lost = undetermined or not np.all(self.covariance.determined[touched & self.covariance.free])
+        status: Status = "identified"
+        if at_bound:
+            status = "at bound"
+        elif lost:
+            status = "not identified"
+        elif self.conditional or given_a_bound:
+            status = "conditional"
+        known = status in ("identified", "conditional")
+        error = self.covariance.error(gradient) if known else None
+        return ParameterEstimate(name, float(value), error, status, low, high)
+
+    def f0_undetermined(self, gradient: np.ndarray) -> bool:
+        """Whether the 95 % interval of an F0 spans more than half of [0, 1]."""
+        return 1.96 * self.covariance.error(gradient) > _WIDEST_F0
+
+    def roughness(self, name: str, value: float, index: int, *, active: bool) -> ParameterEstimate:
+        low, high = ROUGHNESS_BOUNDS
+        gradient = self.unit(index)
+        wide = self.covariance.error(gradient) > _WIDEST_LOG_ROUGHNESS * value
+        on_bound = active and (value < low * 1.001 or value > high * 0.999)
+        return self.estimate(
+            name, value, gradient, low=low, high=high, at_bound=on_bound, undetermined=not active or wide
+        )
+
+
+def estimates(
+    problem: SeparableProblem, shapes: Shapes, weights: Weights, *, color: np.ndarray | None = None
+) -> tuple[ParameterEstimate, ...]:
+    """The parameters of the fitted model of ``problem`` with their standard errors.
+
+    With ``color`` (n, channels) they are those of the brightness of a car paint for this color of each sample, and
+    every interval is called conditional.
+    """
+    model = problem.model
+    if isinstance(model, CarPaintModel):
+        return _car_paint(problem, model, shapes, weights, color)
+    return _colored(problem, model, shapes, weights)
+
+
+def _car_paint(
+    problem: SeparableProblem,
+    model: CarPaintModel,
+    shapes: Shapes,
+    weights: Weights,
+    color: np.ndarray | None,
+) -> tuple[ParameterEstimate, ...]:
+    """A diffuse term, then s_k, F0_k, alpha_k and s_k F0_k of each lobe."""
+    spreads, values = np.asarray(shapes.roughness), np.asarray(weights)[:, 0]
+    count = model.lobes
+    p, q = values[1::2], values[2::2]
+    low, high = ROUGHNESS_BOUNDS
+    active = (p + q > 0) & (spreads > low * 1.001) & (spreads < high * 0.999)
+    covariance = parameter_covariance(problem, shapes, weights, active, color=color)
+    make = _Estimator(covariance, conditional=color is not None)
+    found = [make.estimate("diffuse", values[0], make.unit(count), at_bound=values[0] == 0)]
+    for k in range(count):
+        s, on = p[k] + q[k], p[k] + q[k] > 0
+        f0 = p[k] / s if on else 1.0
+        in_p, in_q = make.unit(count + 1 + 2 * k), make.unit(count + 2 + 2 * k)
+        in_f0 = (q[k] * in_p - p[k] * in_q) / s**2 if on else 0.0 * in_p
+        inside = on and p[k] > 0 and q[k] > 0
+        vague = inside and make.f0_undetermined(in_f0)
+        on_edge = on and not inside
+        found += [
+            make.estimate(
+                f"coefficient {k + 1}", s, in_p + in_q, at_bound=not on, undetermined=vague, given_a_bound=on_edge
+            ),
+            make.estimate(f"f0 {k + 1}", f0, in_f0, high=1.0, at_bound=on_edge, undetermined=vague or not on),
+            make.roughness(f"spread {k + 1}", spreads[k], k, active=bool(on)),
+            make.estimate(f"coefficient x f0 {k + 1}", p[k], in_p, at_bound=p[k] == 0),
+        ]
+    return tuple(found)
+
+
+def _colored(
+    problem: SeparableProblem, model: AbstractFitModel, shapes: Shapes, weights: Weights
+) -> tuple[ParameterEstimate, ...]:
+    """Diffuse and specular colors, roughness, F0, and the product of color and F0 where F0 is fitted."""
+    values = np.asarray(weights)
+    m, channels = values.shape
+    low, high = ROUGHNESS_BOUNDS
+    lobe = model.lobe_count > 0
+    on = lobe and bool(np.any(values[1] > 0))
+    roughness = float(np.asarray(shapes.roughness)[0]) if lobe else 1.0
+    f0 = None if shapes.f0 is None else float(shapes.f0)
+    f0_on_edge = f0 is not None and (f0 == 0.0 or f0 == 1.0)
+    free_shapes = [on and low * 1.001 < roughness < high * 0.999] if lobe else []
+    if f0 is not None:
+        free_shapes.append(on and not f0_on_edge)
+    covariance = parameter_covariance(problem, shapes, weights, np.array(free_shapes, bool))
+    make = _Estimator(covariance, conditional=False)
+    first = len(free_shapes)
+    in_f0 = make.unit(1) if f0 is not None else np.zeros(len(make.covariance.free))
+    vague = f0 is not None and on and not f0_on_edge and make.f0_undetermined(in_f0)
+    found = []
+    for c in range(channels):
+        diffuse = values[0, c]
+        name = _channel_name("diffuse", c, channels)
+        found.append(make.estimate(name, diffuse, make.unit(first + c * m), at_bound=diffuse == 0))
+    for c in range(channels if lobe else 0):
+        s, in_s = values[1, c], make.unit(first + c * m + 1)
+        name = _channel_name("specular", c, channels)
+        found.append(
+            make.estimate(name, s, in_s, at_bound=s == 0, undetermined=vague, given_a_bound=f0_on_edge and s > 0)
+        )
+    if lobe:
+        found.append(make.roughness("roughness", roughness, 0, active=on))
+    if f0 is not None:
+        found.append(make.estimate("f0", f0, in_f0, high=1.0, at_bound=on and f0_on_edge, undetermined=vague or not on))
+        for c in range(channels):
+            s, in_s = values[1, c], make.unit(first + c * m + 1)
+            name = _channel_name("specular x f0", c, channels)
+            product = s * f0
+            found.append(make.estimate(name, product, f0 * in_s + s * in_f0, at_bound=product == 0))
+    return tuple(found)
