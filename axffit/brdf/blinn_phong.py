@@ -12,8 +12,9 @@ from axffit._types import RGB, Direction, Scalar
 from axffit.brdf.base import AbstractBRDF, as_parameter
 from axffit.brdf.fresnel import AbstractFresnel, NoFresnel
 from axffit.brdf.geometry import HalfGeometry, half_geometry
-from axffit.brdf.lobe import PerAxis, alpha_xy, lobe_value
-from axffit.numerics import log_cosine_over_sine_square
+from axffit.brdf.lobe import PerAxis, alpha_xy, lobe_value, lobe_weight
+from axffit.brdf.sampling import Uniforms, mirrored
+from axffit.numerics import log_cosine_over_sine_square, safe_sqrt
 
 
 def exponent_from_axf(stored: Float[Array, "..."]) -> Float[Array, "..."]:
@@ -30,6 +31,26 @@ def _log_cosine_h(half: HalfGeometry) -> Scalar:
     """log h_z = -½ log1p(tan² theta_h)."""
     x, y = half.x / half.z, half.y / half.z
     return -0.5 * jnp.log1p(x * x + y * y)
+
+
+def _power_density(half: HalfGeometry, nu: Scalar, nv: Scalar) -> Scalar:
+    """Density of facets, sqrt((nu + 1)(nv + 1)) / (2 pi) h_z^((nu h_x² + nv h_y²) / (1 - h_z²)), per sr of h."""
+    x2, y2 = half.x * half.x / half.square, half.y * half.y / half.square
+    x_slope, y_slope = half.x / half.z, half.y / half.z
+    tan2 = x_slope * x_slope + y_slope * y_slope
+    power = jnp.exp((nu * x2 + nv * y2) * log_cosine_over_sine_square(tan2))
+    return jnp.sqrt((nu + 1.0) * (nv + 1.0)) / (2.0 * jnp.pi) * power
+
+
+def _power_normal(u: Uniforms, nu: Scalar, nv: Scalar) -> Direction:
+    """Facet normal of :func:`_power_density` (Ashikhmin & Shirley 2000, with their four quadrants in one)."""
+    phi = 2.0 * jnp.pi * u[2]
+    x, y = jnp.sqrt(nv + 1.0) * jnp.cos(phi), jnp.sqrt(nu + 1.0) * jnp.sin(phi)
+    length = safe_sqrt(x * x + y * y)
+    x, y = x / length, y / length
+    log_cosine = jnp.log1p(-u[1]) / (nu * x * x + nv * y * y + 1.0)
+    sine = safe_sqrt(-jnp.expm1(2.0 * log_cosine))
+    return jnp.stack([sine * x, sine * y, jnp.exp(log_cosine)])
 
 
 class BlinnPhong1977(AbstractBRDF):
@@ -51,6 +72,19 @@ class BlinnPhong1977(AbstractBRDF):
         density = (self.exponent + 2.0) / (8.0 * jnp.pi) * jnp.exp(self.exponent * _log_cosine_h(half))
         return lobe_value(self.specular_color, self.fresnel, half, density)
 
+    def draw(self, wo: Direction, u: Uniforms) -> Direction:
+        """Mirrored about a facet of density (n + 1) / (2 pi) h_z^n."""
+        return mirrored(wo, _power_normal(u, self.exponent, self.exponent))
+
+    def density(self, wi: Direction, wo: Direction) -> Scalar:
+        """Density of that facet's mirror direction."""
+        half = half_geometry(wi, wo)
+        return _power_density(half, self.exponent, self.exponent) / (4.0 * half.cos_d)
+
+    def weight(self, wo: Direction) -> Scalar:
+        """Mean of s F at the mirror direction."""
+        return lobe_weight(self.specular_color, self.fresnel, wo)
+
 
 class BlinnPhongVRay(AbstractBRDF):
     """The Blinn lobe of V-Ray's material as Chaos publishes it (2020): (n + 1) / (8 pi) h_z^n / <h, o>.
@@ -68,6 +102,19 @@ class BlinnPhongVRay(AbstractBRDF):
         power = jnp.exp(self.exponent * _log_cosine_h(half))
         density = (self.exponent + 1.0) / (8.0 * jnp.pi) * power / half.cos_d
         return lobe_value(self.specular_color, self.fresnel, half, density)
+
+    def draw(self, wo: Direction, u: Uniforms) -> Direction:
+        """Mirrored about a facet of density (n + 1) / (2 pi) h_z^n."""
+        return mirrored(wo, _power_normal(u, self.exponent, self.exponent))
+
+    def density(self, wi: Direction, wo: Direction) -> Scalar:
+        """Density of that facet's mirror direction."""
+        half = half_geometry(wi, wo)
+        return _power_density(half, self.exponent, self.exponent) / (4.0 * half.cos_d)
+
+    def weight(self, wo: Direction) -> Scalar:
+        """Mean of s F at the mirror direction."""
+        return lobe_weight(self.specular_color, self.fresnel, wo)
 
 
 class BlinnPhongAshikhminShirley2000(AbstractBRDF):
@@ -88,11 +135,19 @@ class BlinnPhongAshikhminShirley2000(AbstractBRDF):
     def value(self, wi: Direction, wo: Direction) -> RGB:
         """The lobe without color and Fresnel."""
         half = half_geometry(wi, wo)
-        nu, nv = alpha_xy(self.exponents)
-        x2, y2 = half.x * half.x / half.square, half.y * half.y / half.square
-        x_slope, y_slope = half.x / half.z, half.y / half.z
-        tan2 = x_slope * x_slope + y_slope * y_slope
-        power = jnp.exp((nu * x2 + nv * y2) * log_cosine_over_sine_square(tan2))
-        scale = jnp.sqrt((nu + 1.0) * (nv + 1.0)) / (8.0 * jnp.pi)
-        density = scale * power / (half.cos_d * jnp.maximum(half.i_z, half.o_z))
+        facets = _power_density(half, *alpha_xy(self.exponents))
+        density = facets / (4.0 * half.cos_d * jnp.maximum(half.i_z, half.o_z))
         return lobe_value(self.specular_color, self.fresnel, half, density)
+
+    def draw(self, wo: Direction, u: Uniforms) -> Direction:
+        """Mirrored about a facet of density sqrt((nu + 1)(nv + 1)) / (2 pi) h_z^(nu cos² phi + nv sin² phi)."""
+        return mirrored(wo, _power_normal(u, *alpha_xy(self.exponents)))
+
+    def density(self, wi: Direction, wo: Direction) -> Scalar:
+        """Density of that facet's mirror direction."""
+        half = half_geometry(wi, wo)
+        return _power_density(half, *alpha_xy(self.exponents)) / (4.0 * half.cos_d)
+
+    def weight(self, wo: Direction) -> Scalar:
+        """Mean of s F at the mirror direction."""
+        return lobe_weight(self.specular_color, self.fresnel, wo)

@@ -10,6 +10,18 @@ from axffit.brdf.color_table import ColorTable, white_color_table
 from axffit.brdf.cook_torrance import beckmann, v_groove_over_cosines
 from axffit.brdf.flakes import Flakes
 from axffit.brdf.geometry import HalfGeometry, half_angles, half_geometry
+from axffit.brdf.sampling import (
+    Uniforms,
+    choose,
+    cosine_density,
+    cosine_draw,
+    gaussian_slopes,
+    mirrored,
+    shares,
+    slope_density_to_direction,
+    slope_gaussian,
+    slope_normal,
+)
 from axffit.numerics import power5, safe_atan2
 
 MAX_LOBES = 4
@@ -61,3 +73,30 @@ class CarPaint(AbstractBRDF):
         theta_d = safe_atan2(half.sin_d, half.cos_d)
         value = self.color_table.lookup(theta_h, theta_d) * self.brightness(half)
         return value if self.flakes is None else value + self.flakes.lookup(theta_h, theta_d)
+
+    def _lobe_weights(self, wo: Direction) -> Float[Array, " lobes"]:
+        """Rough albedo of each lobe: 4 s F at the mirror direction, less what a broad lobe loses."""
+        fresnel = self.f0 + (1.0 - self.f0) * power5(1.0 - wo[2])
+        return 4.0 * self.coefficients * fresnel / (1.0 + self.spreads * self.spreads)
+
+    def _shares(self, wo: Direction) -> Float[Array, " terms"]:
+        """Shares of the lobes and, last, of the cosine that covers the diffuse part and the flakes."""
+        lobes = self._lobe_weights(wo)
+        return shares(jnp.concatenate([lobes, (self.diffuse + 0.1 * jnp.sum(lobes))[None]]))
+
+    def draw(self, wo: Direction, u: Uniforms) -> Direction:
+        """A draw of one lobe, mirrored about a facet of Gaussian slopes, or of the cosine."""
+        index, u = choose(u, self._shares(wo))
+        lobe = jnp.minimum(index, self.spreads.shape[0] - 1)
+        slopes = gaussian_slopes(u, self.spreads[lobe], self.spreads[lobe])
+        return jnp.where(index == self.spreads.shape[0], cosine_draw(u), mirrored(wo, slope_normal(*slopes)))
+
+    def density(self, wi: Direction, wo: Direction) -> Scalar:
+        """Mixture of the lobes' densities and the cosine's."""
+        half, share = half_geometry(wi, wo), self._shares(wo)
+        lobes = slope_density_to_direction(slope_gaussian(half, self.spreads, self.spreads), half)
+        return jnp.sum(share[:-1] * lobes) + share[-1] * cosine_density(wi)
+
+    def weight(self, wo: Direction) -> Scalar:
+        """Diffuse part and lobes at the mirror direction."""
+        return self.diffuse + jnp.sum(self._lobe_weights(wo))

@@ -2,7 +2,6 @@
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
 from axffit._types import RGB, Direction, Scalar
 from axffit.brdf.base import AbstractBRDF, as_parameter
@@ -14,16 +13,24 @@ from axffit.brdf.lobe import (
     alpha_xy,
     check_normalization,
     lobe_value,
+    lobe_weight,
     normalization_factor,
+)
+from axffit.brdf.sampling import (
+    Lobes,
+    Uniforms,
+    gaussian_slopes,
+    mirrored,
+    slope_density_to_direction,
+    slope_gaussian,
+    slope_normal,
 )
 
 
-def beckmann(half: HalfGeometry, alpha: Float[Array, "*lobes"], beta: Float[Array, "*lobes"]) -> Float[Array, "*lobes"]:
+def beckmann(half: HalfGeometry, alpha: Lobes, beta: Lobes) -> Lobes:
     """D = exp(-(h_x²/alpha² + h_y²/beta²) / h_z²) / (alpha beta h_z⁴): Beckmann's density without its 1 / pi."""
-    slope_x, slope_y = half.x / half.z / alpha, half.y / half.z / beta
     inverse_cosine_square = half.square / (half.z * half.z)
-    gaussian = jnp.exp(-(slope_x * slope_x + slope_y * slope_y))
-    return gaussian / (alpha * beta) * inverse_cosine_square * inverse_cosine_square
+    return jnp.pi * slope_gaussian(half, alpha, beta) * inverse_cosine_square * inverse_cosine_square
 
 
 def v_groove_over_cosines(half: HalfGeometry) -> Scalar:
@@ -59,3 +66,16 @@ class CookTorrance(AbstractBRDF):
         scale = normalization_factor(self.normalization) / jnp.pi
         density = scale * beckmann(half, *alpha_xy(self.roughness)) * v_groove_over_cosines(half)
         return lobe_value(self.specular_color, self.fresnel, half, density)
+
+    def draw(self, wo: Direction, u: Uniforms) -> Direction:
+        """Mirrored about a facet of Gaussian slopes."""
+        return mirrored(wo, slope_normal(*gaussian_slopes(u, *alpha_xy(self.roughness))))
+
+    def density(self, wi: Direction, wo: Direction) -> Scalar:
+        """Density of that facet's mirror direction."""
+        half = half_geometry(wi, wo)
+        return slope_density_to_direction(slope_gaussian(half, *alpha_xy(self.roughness)), half)
+
+    def weight(self, wo: Direction) -> Scalar:
+        """Mean of s F at the mirror direction, times the albedo of the normalization."""
+        return 4.0 * normalization_factor(self.normalization) * lobe_weight(self.specular_color, self.fresnel, wo)

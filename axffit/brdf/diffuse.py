@@ -5,6 +5,7 @@ import jax.numpy as jnp
 
 from axffit._types import RGB, Direction, Scalar
 from axffit.brdf.base import AbstractBRDF, as_parameter
+from axffit.brdf.sampling import Uniforms, cosine_density, cosine_draw
 from axffit.numerics import floor_cosine
 
 
@@ -19,6 +20,18 @@ class Lambert(AbstractBRDF):
     def value(self, wi: Direction, wo: Direction) -> RGB:
         """d / pi."""
         return self.color / jnp.pi
+
+    def draw(self, wo: Direction, u: Uniforms) -> Direction:
+        """Cosine-distributed."""
+        return cosine_draw(u)
+
+    def density(self, wi: Direction, wo: Direction) -> Scalar:
+        """cos theta / pi."""
+        return cosine_density(wi)
+
+    def weight(self, wo: Direction) -> Scalar:
+        """Mean of the color."""
+        return jnp.mean(self.color)
 
 
 class OrenNayar1994(AbstractBRDF):
@@ -46,3 +59,15 @@ class OrenNayar1994(AbstractBRDF):
         along = wi[0] * wo[0] + wi[1] * wo[1]
         towards = jnp.where(along > 0, along, 0.0) / floor_cosine(jnp.maximum(wi[2], wo[2]))
         return self.color * ((a + b * towards) / jnp.pi)
+
+    def draw(self, wo: Direction, u: Uniforms) -> Direction:
+        """Cosine-distributed."""
+        return cosine_draw(u)
+
+    def density(self, wi: Direction, wo: Direction) -> Scalar:
+        """cos theta / pi."""
+        return cosine_density(wi)
+
+    def weight(self, wo: Direction) -> Scalar:
+        """Mean of the color."""
+        return jnp.mean(self.color)

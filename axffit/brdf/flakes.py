@@ -39,7 +39,7 @@ class Flakes(eqx.Module):
         uv: where on the surface, (2,); flakes repeat with period 1.
         level: mip level, ().
         clamp_angles: whether angles stop at 1 radian, as the SDK does.
-        virtual_offsets: shift of each virtual bin, (bins, 2); fixed and well spread by default.
+        virtual_offsets: shift of each virtual bin, (bins, 2); fixed and spread by default.
     """
 
     slices: TextureMap
@@ -58,8 +58,8 @@ class Flakes(eqx.Module):
         depth, entries = self.slices.shapes[0][0], len(self.slice_lut)
         if min(self.num_theta_f, self.num_theta_i) < 1 or not 0 <= self.max_theta_i <= entries:
             raise ValueError(
-                f"num_theta_f={self.num_theta_f}, num_theta_i={self.num_theta_i}, max_theta_i={self.max_theta_i} with a "
-                f"table of {entries} entries: the counts start at 1 and max_theta_i is at most the table's length"
+                f"num_theta_f={self.num_theta_f}, num_theta_i={self.num_theta_i}, max_theta_i={self.max_theta_i} with "
+                f"a table of {entries} entries: the counts start at 1, max_theta_i is at most the table's length"
             )
         if not all(0 <= entry <= depth for entry in self.slice_lut):
             raise ValueError(f"slice_lut {self.slice_lut} leaves the stack: entries lie in 0..{depth}, its depth")

@@ -13,8 +13,10 @@ from axffit.brdf.lobe import (
     alpha_xy,
     check_normalization,
     lobe_value,
+    lobe_weight,
     normalization_factor,
 )
+from axffit.brdf.sampling import Uniforms, mirrored, visible_ggx_normal
 
 
 def trowbridge_reitz(half: HalfGeometry, alpha: Scalar, beta: Scalar) -> Scalar:
@@ -57,3 +59,18 @@ class GGX(AbstractBRDF):
         scale = normalization_factor(self.normalization) / jnp.pi
         density = scale * trowbridge_reitz(half, alpha, beta) * (4.0 / smith)
         return lobe_value(self.specular_color, self.fresnel, half, density)
+
+    def draw(self, wo: Direction, u: Uniforms) -> Direction:
+        """Mirrored about a facet that the viewer sees."""
+        return mirrored(wo, visible_ggx_normal(wo, u, *alpha_xy(self.roughness)))
+
+    def density(self, wi: Direction, wo: Direction) -> Scalar:
+        """G1(o) D / (4 pi o_z) = D / (2 pi (the viewer's Smith denominator))."""
+        half = half_geometry(wi, wo)
+        alpha, beta = alpha_xy(self.roughness)
+        smith = _smith_denominator(wo, half.o_z, alpha, beta)
+        return trowbridge_reitz(half, alpha, beta) / (2.0 * jnp.pi * smith)
+
+    def weight(self, wo: Direction) -> Scalar:
+        """Mean of s F at the mirror direction, times the albedo of the normalization."""
+        return 4.0 * normalization_factor(self.normalization) * lobe_weight(self.specular_color, self.fresnel, wo)

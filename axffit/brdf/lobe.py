@@ -2,9 +2,10 @@
 
 from typing import Literal
 
+import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from axffit._types import RGB, Scalar
+from axffit._types import RGB, Direction, Scalar
 from axffit.brdf.fresnel import AbstractFresnel
 from axffit.brdf.geometry import HalfGeometry
 
@@ -35,3 +36,8 @@ def check_normalization(normalization: str) -> None:
     """Raise ``ValueError`` unless ``normalization`` is known."""
     if normalization not in ("sdk", "microfacet"):
         raise ValueError(f"normalization={normalization!r}: use 'sdk' (as AxF documents its lobes) or 'microfacet'")
+
+
+def lobe_weight(specular_color: RGB, fresnel: AbstractFresnel, wo: Direction) -> Scalar:
+    """Mean over the channels of s F at the mirror direction, where <h, o> = o_z."""
+    return jnp.mean(specular_color * fresnel.factor(wo[2], 1.0 - wo[2]))

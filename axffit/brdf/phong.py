@@ -7,7 +7,8 @@ from axffit._types import RGB, Direction, Scalar
 from axffit.brdf.base import AbstractBRDF, as_parameter
 from axffit.brdf.fresnel import AbstractFresnel, NoFresnel
 from axffit.brdf.geometry import half_geometry
-from axffit.brdf.lobe import lobe_value
+from axffit.brdf.lobe import lobe_value, lobe_weight
+from axffit.brdf.sampling import Uniforms, about
 from axffit.numerics import positive_power
 
 
@@ -24,11 +25,28 @@ class PhongLewis1994(AbstractBRDF):
     fresnel: AbstractFresnel = NoFresnel()
 
     def value(self, wi: Direction, wo: Direction) -> RGB:
-        """(n + 2) / (2 pi) c^n with 1 - c² = |reflect(i) - o|² (1 - |reflect(i) - o|² / 4)."""
+        """(n + 2) / (2 pi) c^n, times s F."""
         half = half_geometry(wi, wo)
-        x, y, z = wi[0] + wo[0], wi[1] + wo[1], wi[2] - wo[2]
-        chord2 = x * x + y * y + z * z
-        density = (
-            (self.exponent + 2.0) / (2.0 * jnp.pi) * positive_power(1.0 - 0.5 * chord2, 0.5 * chord2, self.exponent)
-        )
+        density = (self.exponent + 2.0) / (2.0 * jnp.pi) * _mirror_power(wi, wo, self.exponent)
         return lobe_value(self.specular_color, self.fresnel, half, density)
+
+    def draw(self, wo: Direction, u: Uniforms) -> Direction:
+        """About the mirror direction, of density (n + 1) / (2 pi) c^n."""
+        mirror = jnp.stack([-wo[0], -wo[1], wo[2]])
+        cosine = jnp.exp(jnp.log1p(-u[1]) / (self.exponent + 1.0))
+        return about(mirror, cosine, 2.0 * jnp.pi * u[2])
+
+    def density(self, wi: Direction, wo: Direction) -> Scalar:
+        """(n + 1) / (2 pi) c^n."""
+        return (self.exponent + 1.0) / (2.0 * jnp.pi) * _mirror_power(wi, wo, self.exponent)
+
+    def weight(self, wo: Direction) -> Scalar:
+        """Mean of s F at the mirror direction."""
+        return lobe_weight(self.specular_color, self.fresnel, wo)
+
+
+def _mirror_power(wi: Direction, wo: Direction, exponent: Scalar) -> Scalar:
+    """max(0, c)^n, c = <reflect(i), o>, by 1 - c = |reflect(i) - o|² / 2."""
+    x, y, z = wi[0] + wo[0], wi[1] + wo[1], wi[2] - wo[2]
+    half_chord2 = 0.5 * (x * x + y * y + z * z)
+    return positive_power(1.0 - half_chord2, half_chord2, exponent)

@@ -19,6 +19,7 @@ from jaxtyping import Array, Float
 
 from axffit._types import RGB, Direction, Scalar
 from axffit.brdf.base import AbstractBRDF, as_parameter
+from axffit.brdf.sampling import Uniforms, cosine_density, cosine_draw
 from axffit.errors import InputError
 from axffit.measured.measurements import Measurements, RGBChannels
 from axffit.numerics import safe_atan2, safe_norm
@@ -55,6 +56,18 @@ class MbsdfTable(AbstractBRDF):
             for k, c in ((k0, 1.0 - w), (k1, w))
         )
         return sum((weight * self.values[i, j, k] for i, j, k, weight in corners), jnp.zeros_like(wi))
+
+    def draw(self, wo: Direction, u: Uniforms) -> Direction:
+        """Cosine-distributed: measured data name no lobe to follow."""
+        return cosine_draw(u)
+
+    def density(self, wi: Direction, wo: Direction) -> Scalar:
+        """cos theta / pi."""
+        return cosine_density(wi)
+
+    def weight(self, wo: Direction) -> Scalar:
+        """One: an estimate is not worth an integral."""
+        return jnp.ones_like(wo[2])
 
     @staticmethod
     def _cell(unit: Scalar, size: int) -> tuple[Array, Array, Scalar]:

@@ -15,8 +15,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from axffit._types import RGB, Direction
+from axffit._types import RGB, Direction, Scalar
 from axffit.brdf.base import AbstractBRDF, as_parameter
+from axffit.brdf.sampling import Uniforms, cosine_density, cosine_draw
 from axffit.errors import InputError
 from axffit.frames import directions_to_half_difference
 from axffit.measured.grid import HalfDifferenceGrid, reference_grid
@@ -49,6 +50,18 @@ class NeuralEncoding(AbstractBRDF):
             start += columns
             x = x if columns == 3 else jax.nn.relu(x)
         return jnp.maximum(jnp.expm1(x), 0.0)
+
+    def draw(self, wo: Direction, u: Uniforms) -> Direction:
+        """Cosine-distributed: measured data name no lobe to follow."""
+        return cosine_draw(u)
+
+    def density(self, wi: Direction, wo: Direction) -> Scalar:
+        """cos theta / pi."""
+        return cosine_density(wi)
+
+    def weight(self, wo: Direction) -> Scalar:
+        """One: an estimate is not worth an integral."""
+        return jnp.ones_like(wo[2])
 
 
 def read_weights(path: str | os.PathLike) -> dict[str, np.ndarray]:
