@@ -10,6 +10,8 @@ from typing import Any
 from axffit.errors import InputError
 
 Writer = Callable[[Path], object]
+Results = dict[Path, str | bytes | Writer]
+"""Content, or a function that writes the file it is given, by path."""
 
 
 def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path] = ()) -> None:
@@ -38,12 +40,27 @@ def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path] = ()) -
             raise InputError(f"{path}: the folder {path.parent} may not be written; choose another")
 
 
+def make_folder(path: Path) -> Path:
+    """A folder for results, made where it is missing.
+
+    Raises:
+        InputError: it cannot be made or written.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{path}: the folder cannot be made ({error.strerror}); choose another") from error
+    if not os.access(path, os.W_OK):
+        raise InputError(f"{path}: the folder may not be written; choose another")
+    return path
+
+
 def json_text(content: Mapping[str, Any]) -> str:
     """JSON for people and machines: indented, no NaN (which is not JSON), one newline at the end."""
     return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def write_all(results: Mapping[Path, str | bytes | Writer]) -> None:
+def write_all(results: Results) -> None:
     """Writes every result to a temporary file beside its place, then renames them all.
 
     Args:

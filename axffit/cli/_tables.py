@@ -1,0 +1,126 @@
+"""What a verb prints: the short form of its JSON."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+Content = Mapping[str, Any]
+
+_NEVER_WRAP = 10_000
+"""Characters a line: a number cut to fit a terminal is no number."""
+
+
+def show(*parts: object) -> None:
+    """Prints to stdout; nothing is cut or wrapped to the terminal's width, and no value is read as markup."""
+    console = Console(width=_NEVER_WRAP, highlight=False, markup=False, emoji=False)
+    for part in parts:
+        console.print(part, soft_wrap=not isinstance(part, Table))
+
+
+def table(columns: Iterable[str], rows: Iterable[Iterable[str]], *, text_columns: int = 1) -> Table:
+    """A plain table; all but the first `text_columns` columns are numbers, aligned right."""
+    made = Table(box=None, pad_edge=False, header_style="bold")
+    for index, column in enumerate(columns):
+        made.add_column(column, justify="left" if index < text_columns else "right", no_wrap=True)
+    for row in rows:
+        made.add_row(*row)
+    return made
+
+
+def verdict_parts(content: Content) -> list[object]:
+    """A verdict: one row a texture, the levels above the textures, what is wrong, and the outcome."""
+    from axffit.report.numbers import number, significant
+
+    rows = [
+        (
+            row["axf_name"] + (" (default)" if row["defaulted"] else ""),
+            row["format"],
+            " ".join(filter(None, (row["quantity"].replace("_", " "), _in_parentheses(row["unit"])))),
+            *(significant(row[name]) for name in ("mean", "p95", "max")),
+            number(row["tolerance"]),
+            str(row["clamped"]),
+            "within" if row["within"] else "OUTSIDE",
+        )
+        for row in content["textures"]
+    ]
+    columns = ("texture", "format", "error", "mean", "95 %", "max", "tolerance", "clamped", "")
+    parts: list[object] = [
+        f"{content['material']['name']}, for {content['target']}",
+        table(columns, rows, text_columns=3),
+    ]
+    parts += [
+        f"reflectance, {row['title']}: {significant(row['found'])} (tolerance {number(row['tolerance'])}), "
+        + ("within" if row["within"] else "OUTSIDE")
+        for row in content["brdf"]["rows"]
+    ]
+    if not content["brdf"]["evaluated"]:
+        parts.append(f"reflectance: not evaluated, {content['brdf']['reason']}")
+    if content["lut"] is not None:
+        lost = ", ".join(
+            f"{check['check'].removeprefix('lut.')} {check['found']:.0f}" for check in content["lut"]["checks"]
+        )
+        parts.append(f"slice table: slices a shader does not find again: {lost}")
+    parts += [f"note: {note}" for note in content["notes"]]
+    parts += [f"OUTSIDE: {failure}" for failure in content["failures"]]
+    return [*parts, content["summary"]]
+
+
+def fit_parts(content: Content) -> list[object]:
+    """A fit: its parameters with their standard errors, its metrics, and how it ended."""
+    from axffit.report.numbers import significant
+
+    rows = [
+        (
+            parameter["name"],
+            parameter["status"],
+            significant(parameter["value"]),
+            "" if parameter["standard_error"] is None else f"± {significant(parameter['standard_error'], 2)}",
+        )
+        for parameter in content["parameters"]
+    ]
+    parts: list[object] = [f"{content['model']} fitted to {content['samples'].get('name') or 'samples'}"]
+    if rows:
+        parts.append(table(("parameter", "", "value", "standard error"), rows, text_columns=2))
+    if content["metrics"] is not None:
+        parts.append(metrics_line(content["metrics"]))
+    parts += [f"note: {note}" for note in content["notes"]]
+    return [*parts, content["advice"]]
+
+
+def comparison_parts(content: Content, title: str) -> list[object]:
+    """A comparison: its metrics overall and by region, and where the model fails."""
+    from axffit.report.numbers import percent
+
+    def degrees(pair: tuple[float, float]) -> str:
+        return f"{pair[0]:g} to {pair[1]:g}"
+
+    rows = [
+        (
+            region["name"],
+            degrees(region["theta_h_degrees"]),
+            degrees(region["polar_degrees"]),
+            percent(region["metrics"]["relative_cosine_rms"]),
+            percent(region["bias"]),
+            percent(region["log_share"]),
+        )
+        for region in content["regions"]
+    ]
+    columns = ("region", "theta_h (degrees)", "polar (degrees)", "relative error", "bias", "share of the log error")
+    return [title, table(columns, rows), metrics_line(content["metrics"]), content["sentence"]]
+
+
+def metrics_line(metrics: Content) -> str:
+    """The metrics of a model on samples."""
+    from axffit.report.numbers import count, percent, significant
+
+    return (
+        f"relative cosine RMS error {percent(metrics['relative_cosine_rms'])}, of the peak {percent(metrics['peak'])}, "
+        f"log {significant(metrics['log'])}, cube root {significant(metrics['cube_root'])}, "
+        f"on {count(metrics['sample_count'])} samples"
+    )
+
+
+def _in_parentheses(text: str) -> str:
+    return f"({text})" if text else ""
