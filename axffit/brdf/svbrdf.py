@@ -23,8 +23,8 @@ class SVBRDF(eqx.Module):
 
     Attributes:
         maps: a map per parameter name.
-        build: BRDF of one texel's parameters: a mapping of name to (channels,), and ``"uv"`` (2,) and ``"level"`` ()
-            for models that have textures of their own, such as flakes.
+        build: BRDF of one texel's parameters: a mapping of name to (channels,), and ``"uv"`` (2,) and
+            ``"footprint"`` () for models that have textures of their own, such as flakes.
         size_mm: size of the tile (u, v) in millimeters, (2,).
         alpha: opacity in [0, 1], one channel, or None for 1.
         height: height in millimeters, one channel, or None for 0.
@@ -40,26 +40,29 @@ class SVBRDF(eqx.Module):
         """Texture coordinates of positions on the surface (mm)."""
         return position_mm / self.size_mm.reshape((1,) * (position_mm.ndim - 1) + (2,))
 
-    def at(self, uv: Float[Array, "2"], level: Scalar | None = None) -> AbstractBRDF:
-        """The BRDF at one place; ``level`` is the mip level."""
-        texel = {name: texture.fetch(uv, level) for name, texture in self.maps.items()}
-        return self.build(texel | {"uv": uv, "level": jnp.zeros((), uv.dtype) if level is None else level})
+    def at(self, uv: Float[Array, "2"], footprint: Scalar | None = None) -> AbstractBRDF:
+        """The BRDF at one place; ``footprint`` is the side, in uv, of the area to average (default 0: a point)."""
+        footprint = jnp.zeros((), uv.dtype) if footprint is None else footprint
+        texel = {name: fetch(texture, uv, footprint) for name, texture in self.maps.items()}
+        return self.build(texel | {"uv": uv, "footprint": footprint})
 
     def evaluate(
-        self, uv: Float[Array, "... 2"], wi: Directions, wo: Directions, level: Angles | None = None
+        self, uv: Float[Array, "... 2"], wi: Directions, wo: Directions, footprint: Angles | None = None
     ) -> Channels:
-        """BRDF values, 1/sr, at places ``uv`` (..., 2), with directions and levels that broadcast against them."""
-        level = jnp.zeros((), uv.dtype) if level is None else level
-        batch = jnp.broadcast_shapes(uv.shape[:-1], wi.shape[:-1], wo.shape[:-1], level.shape)
+        """BRDF values, 1/sr, at places ``uv`` (..., 2), with directions and footprints that broadcast against them."""
+        footprint = jnp.zeros((), uv.dtype) if footprint is None else footprint
+        batch = jnp.broadcast_shapes(uv.shape[:-1], wi.shape[:-1], wo.shape[:-1], footprint.shape)
         uv = jnp.broadcast_to(uv, (*batch, 2)).reshape(-1, 2)
         wi, wo = (jnp.broadcast_to(v, (*batch, 3)).reshape(-1, 3) for v in (wi, wo))
-        level = jnp.broadcast_to(level, batch).reshape(-1)
-        values = jax.vmap(lambda uv, i, o, level: self.at(uv, level).evaluate(i, o))(uv, wi, wo, level)
+        footprint = jnp.broadcast_to(footprint, batch).reshape(-1)
+        values = jax.vmap(lambda uv, i, o, side: self.at(uv, side).evaluate(i, o))(uv, wi, wo, footprint)
         return values.reshape(*batch, 3)
 
-    def opacity(self, uv: Float[Array, "2"], level: Scalar | None = None) -> Scalar:
+    def opacity(self, uv: Float[Array, "2"], footprint: Scalar | None = None) -> Scalar:
         """Alpha at a place."""
-        return jnp.ones((), uv.dtype) if self.alpha is None else self.alpha.fetch(uv, level)[0]
+        if self.alpha is None:
+            return jnp.ones((), uv.dtype)
+        return fetch(self.alpha, uv, jnp.zeros((), uv.dtype) if footprint is None else footprint)[0]
 
     def parallax(self, uv: Float[Array, "2"], wo: Direction, *, steps: int = 32) -> Float[Array, "2"]:
         """Where a ray to the viewer ``wo`` that meets the flat surface at ``uv`` meets the height map instead.
@@ -86,3 +89,8 @@ class SVBRDF(eqx.Module):
         fraction = jnp.where(drop > 0, gaps[before] / jnp.where(drop > 0, drop, 1.0), 0.0)
         depth = depths[before] + fraction * (depths[first] - depths[before])
         return start + per_mm * depth
+
+
+def fetch(texture: TextureMap, uv: Float[Array, "2"], footprint: Scalar) -> Float[Array, " channels"]:
+    """Texel at ``uv``, averaged over about ``footprint``."""
+    return texture.fetch(uv, None if len(texture.shapes) == 1 else texture.level_of(footprint))

@@ -20,11 +20,14 @@ class TextureMap(eqx.Module):
     Attributes:
         texels: all levels, one after the other, each slice by slice and row by row, (texels, channels).
         shapes: (slices, height, width) of each level, largest first.
+        tiles: how often the texture repeats while u and v run from 0 to 1, (2,); maps of one material may cover
+            different areas.
         mirrored: whether every other tile is mirrored, which hides the tiling of textures that do not close.
     """
 
     texels: Float[Array, "texels channels"] = eqx.field(converter=as_parameter)
     shapes: tuple[tuple[int, int, int], ...] = eqx.field(static=True)
+    tiles: Float[Array, "2"] = eqx.field(converter=as_parameter, default=(1.0, 1.0), kw_only=True)
     mirrored: bool = eqx.field(static=True, default=False, kw_only=True)
 
     def __check_init__(self):
@@ -36,6 +39,7 @@ class TextureMap(eqx.Module):
         self, uv: Float[Array, "2"], level: Scalar | None = None, slice_index: Int[Array, ""] | None = None
     ) -> Float[Array, " channels"]:
         """Filtered texel at ``uv``; ``level`` (default 0) is clamped to the levels that exist."""
+        uv = uv * self.tiles.astype(uv.dtype)
         zero = jnp.zeros((), jnp.int32)
         slice_index = zero if slice_index is None else slice_index
         if level is None or len(self.shapes) == 1:
@@ -47,6 +51,12 @@ class TextureMap(eqx.Module):
         upper = jnp.minimum(index + 1, len(self.shapes) - 1)
         fine, coarse = self._bilinear(uv, index, slice_index), self._bilinear(uv, upper, slice_index)
         return (1.0 - weight) * fine + weight * coarse
+
+    def level_of(self, footprint: Scalar) -> Scalar:
+        """Mip level at which a texel is as large as ``footprint``, the side of the area looked at in uv, ()."""
+        _, height, width = self.shapes[0]
+        texels = footprint * jnp.max(self.tiles.astype(footprint.dtype) * jnp.asarray([width, height], footprint.dtype))
+        return jnp.log2(jnp.maximum(texels, 1.0))
 
     def _bilinear(
         self, uv: Float[Array, "2"], level: Int[Array, ""], slice_index: Int[Array, ""]
@@ -77,13 +87,17 @@ class TextureMap(eqx.Module):
         return jnp.mod(first, size), jnp.mod(first + 1, size), position - lower
 
 
-def texture_map(levels: Sequence[Float[Array | np.ndarray, "..."]], *, mirrored: bool = False) -> TextureMap:
+def texture_map(
+    levels: Sequence[Float[Array | np.ndarray, "..."]], *, tiles=(1.0, 1.0), mirrored: bool = False
+) -> TextureMap:
     """A :class:`TextureMap` of levels [H, W, C] or, for arrays of slices, [D, H, W, C], largest first."""
     arrays = [level[None] if level.ndim == 3 else level for level in map(jnp.asarray, levels)]
     if any(a.ndim != 4 or 0 in a.shape for a in arrays):
         raise ValueError(f"levels of shapes {[np.shape(level) for level in levels]}: give [H, W, C] or [D, H, W, C]")
     shapes = tuple((a.shape[0], a.shape[1], a.shape[2]) for a in arrays)
-    return TextureMap(jnp.concatenate([a.reshape(-1, a.shape[-1]) for a in arrays]), shapes, mirrored=mirrored)
+    return TextureMap(
+        jnp.concatenate([a.reshape(-1, a.shape[-1]) for a in arrays]), shapes, tiles=tiles, mirrored=mirrored
+    )
 
 
 def constant_map(value: Float[Array | np.ndarray, " channels"]) -> TextureMap:

@@ -80,7 +80,7 @@ def test_flakes_find_their_place_through_the_texel():
     slices = texture_map([RNG.random((2, 8, 8, 3))])
 
     def paint(texel):
-        place = {"uv": texel["uv"], "level": texel["level"]}
+        place = {"uv": texel["uv"], "level": slices.level_of(texel["footprint"])}
         flakes = Flakes(slices, (0, 2, 2), num_theta_f=1, num_theta_i=1, max_theta_i=2, **place)
         return CarPaint(0.1, (0.0,), (0.0,), (1.0,), flakes=flakes)
 
@@ -88,4 +88,18 @@ def test_flakes_find_their_place_through_the_texel():
     uv = jnp.asarray([[0.1, 0.2], [0.6, 0.2]])
     values = m.evaluate(uv, WI, WO)
     assert not np.allclose(values[0], values[1])
-    np.testing.assert_allclose(values[1], paint({"uv": uv[1], "level": jnp.asarray(0.0)}).evaluate(WI, WO), rtol=1e-12)
+    np.testing.assert_allclose(
+        values[1], paint({"uv": uv[1], "footprint": jnp.asarray(0.0)}).evaluate(WI, WO), rtol=1e-12
+    )
+
+
+def test_a_footprint_chooses_each_maps_own_level():
+    fine, coarse = RNG.random((8, 8, 3)), RNG.random((1, 1, 3))
+    levels = [fine, RNG.random((4, 4, 3)), RNG.random((2, 2, 3)), coarse]
+    m = SVBRDF({"color": texture_map(levels), "other": texture_map(levels[2:])}, lambda t: Lambert(t["color"]))
+    uv = jnp.asarray([0.3, 0.7])
+    for footprint, level in ((0.0, 0.0), (1 / 8, 0.0), (1 / 4, 1.0), (0.3, np.log2(2.4)), (1.0, 3.0), (7.0, 3.0)):
+        at = m.at(uv, jnp.asarray(footprint))
+        assert isinstance(at, Lambert)
+        np.testing.assert_allclose(at.color, m.maps["color"].fetch(uv, jnp.asarray(level)), rtol=1e-12)
+    assert m.maps["other"].level_of(jnp.asarray(1.0)) == 1.0

@@ -84,3 +84,9 @@ def test_bad_shapes_are_refused():
         texture_map([np.zeros((4, 4))])
     with pytest.raises(ValueError, match="do not fill"):
         TextureMap(np.zeros((5, 3)), ((1, 2, 2),))
+
+
+def test_tiles_repeat_the_texture():
+    twice = texture_map([GRID], tiles=(2.0, 3.0))
+    np.testing.assert_allclose(fetch(twice, 0.3, 0.2), fetch(texture_map([GRID]), 0.6, 0.6), atol=1e-13)
+    assert float(twice.level_of(jnp.asarray(1.0))) == np.log2(16.0)
