@@ -8,4 +8,5 @@ from .material import AxfMaterial as AxfMaterial
 from .material import AxfTexture as AxfTexture
 from .material import MaterialKind as MaterialKind
 from .reader import read as read
+from .surface import to_svbrdf as to_svbrdf
 from .writer import write as write

@@ -111,7 +111,21 @@ def appearance(
 
 
 def _svbrdf(material: AxfMaterial, uv: np.ndarray) -> Appearance:
-    maps = gather(material, uv)
+    parameters, floored, defaulted = model_parameters(material, gather(material, uv))
+    texels = uv.shape[:-1]
+    flat = {name: jnp.asarray(value.reshape(-1, *value.shape[len(texels) :])) for name, value in parameters.items()}
+    model = eqx.filter_vmap(texel_model(material))(flat)
+    model = jax.tree.map(lambda leaf: leaf.reshape(*texels, *leaf.shape[1:]), model)
+    return Appearance(model, floored, defaulted)
+
+
+def model_parameters(material: AxfMaterial, maps: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], int, int]:
+    """The parameters of an SVBRDF's model from its maps (..., channels), each map of any size.
+
+    Returns:
+        Parameter name to values, one-channel parameters without the channel axis; how many roughnesses were raised to
+        1e-4; how many indices of refraction became 1.5.
+    """
     lobe = maps["specularlobe"]
     lobe = lobe if material.anisotropic and lobe.shape[-1] == 2 else lobe[..., 0]
     if material.specular_model in _EXPONENT_MODELS:
@@ -119,27 +133,23 @@ def _svbrdf(material: AxfMaterial, uv: np.ndarray) -> Appearance:
     else:
         floored = int(np.count_nonzero(lobe < ROUGHNESS_FLOOR))
         lobe = np.maximum(lobe, np.float32(ROUGHNESS_FLOOR))
-    ior = maps["clearcoatior"][..., 0]
+    ior, rotation, f0 = maps["clearcoatior"][..., 0], maps["anisrotation"][..., 0], maps["fresnel"]
     invalid = ~(ior > 0)
     parameters = {
         "diffuse": maps["diffusecolor"],
         "specular": maps["specularcolor"],
         "lobe": lobe,
-        "f0": np.broadcast_to(maps["fresnel"], (*uv.shape[:-1], 3)),
+        "f0": np.broadcast_to(f0, (*f0.shape[:-1], 3)),
         "normal": maps["normal"],
-        "rotation": maps["anisrotation"][..., 0] if material.anisotropic else np.zeros_like(ior),
+        "rotation": rotation if material.anisotropic else np.zeros_like(rotation),
         "ior": np.where(invalid, np.float32(DEFAULT_IOR), ior),
         "coat_normal": maps["clearcoatnormal"],
         "coat_color": maps["clearcoatcolor"],
     }
-    texels = uv.shape[:-1]
-    flat = {name: jnp.asarray(value.reshape(-1, *value.shape[len(texels) :])) for name, value in parameters.items()}
-    model = eqx.filter_vmap(_texel_model(material))(flat)
-    model = jax.tree.map(lambda leaf: leaf.reshape(*texels, *leaf.shape[1:]), model)
-    return Appearance(model, floored, int(np.count_nonzero(invalid)) if material.has_clear_coat else 0)
+    return parameters, floored, int(np.count_nonzero(invalid)) if material.has_clear_coat else 0
 
 
-def _texel_model(material: AxfMaterial) -> Callable[[dict[str, jax.Array]], brdf.AbstractBRDF]:
+def texel_model(material: AxfMaterial) -> Callable[[dict[str, jax.Array]], brdf.AbstractBRDF]:
     """The model of one texel as a function of its parameters."""
     diffuse = _class_of(_DIFFUSE, material.diffuse_model, material.diffuse_model, material.id)
     named = (material.specular_model, material.specular_variant)
@@ -171,22 +181,26 @@ def _class_of(table: Mapping, key: object, name: str, where: str) -> Callable[..
 
 
 def _car_paint(material: AxfMaterial) -> Appearance:
+    ior, defaulted = car_paint_ior(material)
+    base = car_paint_base(material)
+    return Appearance(brdf.ClearCoat(base, ior, refracting=material.coat_refracts), 0, defaulted)
+
+
+def car_paint_base(material: AxfMaterial) -> brdf.CarPaint:
+    """A car paint below its coat, without flakes."""
     values = material.properties
     colors = material.textures.get("brdfcolors")
-    table = brdf.white_color_table() if colors is None else brdf.ColorTable(colors.data.astype(np.float32))
-    ior, defaulted = _car_paint_ior(material)
-    base = brdf.CarPaint(
+    return brdf.CarPaint(
         diffuse=values.get("CT_diffuse", np.float32(0)),
         # Without lobes: the filler that a target's padding uses, which reflects nothing.
         coefficients=values.get("CT_coeffs", np.zeros(1, np.float32)),
         f0=values.get("CT_F0s", np.zeros(1, np.float32)),
         spreads=values.get("CT_spreads", np.ones(1, np.float32)),
-        color_table=table,
+        color_table=brdf.white_color_table() if colors is None else brdf.ColorTable(colors.data.astype(np.float32)),
     )
-    return Appearance(brdf.ClearCoat(base, ior, refracting=material.coat_refracts), 0, defaulted)
 
 
-def _car_paint_ior(material: AxfMaterial) -> tuple[np.float32, int]:
+def car_paint_ior(material: AxfMaterial) -> tuple[np.float32, int]:
     """The property, else the median of the map's usable texels, else 1.5; and the texels that were not usable."""
     if "IOR" in material.properties:
         return material.properties["IOR"], 0

@@ -78,12 +78,12 @@ def gather(material: AxfMaterial, uv: np.ndarray) -> dict[str, np.ndarray]:
             default = np.asarray(DEFAULTS[key], np.float32)
             values[key] = np.broadcast_to(default, (*uv.shape[:-1], default.size))
         else:
-            values[key] = _nearest(texture, uv * _stretch(texture, reference))
+            values[key] = _nearest(texture, uv * stretch(texture, reference))
     return values
 
 
-def _stretch(texture: AxfTexture, reference: AxfTexture | None) -> np.ndarray:
-    """What turns coordinates of the reference map into coordinates of this map."""
+def stretch(texture: AxfTexture, reference: AxfTexture | None) -> np.ndarray:
+    """What turns coordinates (u, v) of the reference map into coordinates of this map, (2,)."""
     if reference is None or texture.is_constant:
         return np.ones(2)
     return np.array([reference.width_mm / texture.width_mm, reference.height_mm / texture.height_mm])

@@ -60,6 +60,10 @@ class CarPaint(AbstractBRDF):
                 f"give all three the same length, 1 to {MAX_LOBES}"
             )
 
+    def with_flakes(self, flakes: Flakes | None) -> "CarPaint":
+        """The same paint with other flakes, or with none."""
+        return CarPaint(self.diffuse, self.coefficients, self.f0, self.spreads, self.color_table, flakes)
+
     def brightness(self, half: HalfGeometry) -> Scalar:
         """b, in 1/sr, without the color."""
         fresnel = self.f0 + (1.0 - self.f0) * power5(half.one_minus_cos_d)

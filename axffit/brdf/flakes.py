@@ -64,6 +64,11 @@ class Flakes(eqx.Module):
         if not all(0 <= entry <= depth for entry in self.slice_lut):
             raise ValueError(f"slice_lut {self.slice_lut} leaves the stack: entries lie in 0..{depth}, its depth")
 
+    def at(self, uv: Float[Array, "2"], footprint: Scalar) -> "Flakes":
+        """The same flakes at another place, averaged over about ``footprint`` (a side, in uv)."""
+        level = self.slices.level_of(footprint)
+        return eqx.tree_at(lambda flakes: (flakes.uv, flakes.level), self, (uv, level))
+
     def lookup(self, theta_h: Scalar, theta_d: Scalar) -> RGB:
         """Xi at the flakes' uv for a pair of angles (radians)."""
         bin_f, weight_f = self._bin(theta_h)

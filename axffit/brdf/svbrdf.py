@@ -1,6 +1,7 @@
 """A reflectance that varies over the surface: a BRDF whose parameters are maps."""
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -15,7 +16,7 @@ from axffit.brdf.texture import TextureMap
 class SVBRDF(eqx.Module):
     """Parameters as maps, and how a texel's parameters make a BRDF.
 
-        f(x, i, o) = build(texel(uv))(i, o),   uv = x / size
+        f(x, i, o) = build(shared, texel(uv))(i, o),   uv = x / size
 
     Maps may differ in size, have mip levels, or be constant (1x1). They are filtered as a GPU filters them: each value
     on its own, before ``build`` makes sense of it, so a filtered normal is not of unit length (``Framed`` normalizes)
@@ -23,15 +24,17 @@ class SVBRDF(eqx.Module):
 
     Attributes:
         maps: a map per parameter name.
-        build: BRDF of one texel's parameters: a mapping of name to (channels,), and ``"uv"`` (2,) and
+        build: BRDF of ``shared`` and one texel's parameters: a mapping of name to (channels,), and ``"uv"`` (2,) and
             ``"footprint"`` () for models that have textures of their own, such as flakes.
+        shared: what does not vary over the surface: any tree of arrays (a color table, a stack of flakes).
         size_mm: size of the tile (u, v) in millimeters, (2,).
         alpha: opacity in [0, 1], one channel, or None for 1.
         height: height in millimeters, one channel, or None for 0.
     """
 
     maps: dict[str, TextureMap]
-    build: Callable[[Mapping[str, Array]], AbstractBRDF] = eqx.field(static=True)
+    build: Callable[[Any, Mapping[str, Array]], AbstractBRDF] = eqx.field(static=True)
+    shared: Any = None
     size_mm: Float[Array, "2"] = eqx.field(converter=as_parameter, default=(1.0, 1.0))
     alpha: TextureMap | None = None
     height: TextureMap | None = None
@@ -44,7 +47,7 @@ class SVBRDF(eqx.Module):
         """The BRDF at one place; ``footprint`` is the side, in uv, of the area to average (default 0: a point)."""
         footprint = jnp.zeros((), uv.dtype) if footprint is None else footprint
         texel = {name: fetch(texture, uv, footprint) for name, texture in self.maps.items()}
-        return self.build(texel | {"uv": uv, "footprint": footprint})
+        return self.build(self.shared, texel | {"uv": uv, "footprint": footprint})
 
     def evaluate(
         self, uv: Float[Array, "... 2"], wi: Directions, wo: Directions, footprint: Angles | None = None

@@ -12,7 +12,7 @@ ANGLE = RNG.uniform(-1, 1, (16, 4, 1))
 WI, WO = jnp.asarray([0.48, 0.36, 0.8]), jnp.asarray([-0.6, 0.0, 0.8])
 
 
-def build(texel):
+def build(shared, texel):
     lobe = GGX(texel["specular"], texel["roughness"], Schlick1994(texel["f0"]))
     return Framed(Sum((Lambert(texel["color"]), lobe)), texel["normal"], texel["angle"][0])
 
@@ -33,7 +33,7 @@ def test_maps_of_different_sizes_meet_at_one_uv():
     uv = jnp.asarray([0.41, 0.87])
     m = material()
     texel = {name: texture.fetch(uv) for name, texture in m.maps.items()}
-    np.testing.assert_allclose(m.evaluate(uv, WI, WO), build(texel).evaluate(WI, WO), rtol=1e-13)
+    np.testing.assert_allclose(m.evaluate(uv, WI, WO), build(None, texel).evaluate(WI, WO), rtol=1e-13)
 
 
 def test_batches_of_places_and_directions_broadcast():
@@ -79,24 +79,24 @@ def test_parallax_of_a_step_stops_at_the_wall():
 def test_flakes_find_their_place_through_the_texel():
     slices = texture_map([RNG.random((2, 8, 8, 3))])
 
-    def paint(texel):
+    def paint(slices, texel):
         place = {"uv": texel["uv"], "level": slices.level_of(texel["footprint"])}
         flakes = Flakes(slices, (0, 2, 2), num_theta_f=1, num_theta_i=1, max_theta_i=2, **place)
         return CarPaint(0.1, (0.0,), (0.0,), (1.0,), flakes=flakes)
 
-    m = SVBRDF({}, paint)
+    m = SVBRDF({}, paint, slices)
     uv = jnp.asarray([[0.1, 0.2], [0.6, 0.2]])
     values = m.evaluate(uv, WI, WO)
     assert not np.allclose(values[0], values[1])
     np.testing.assert_allclose(
-        values[1], paint({"uv": uv[1], "footprint": jnp.asarray(0.0)}).evaluate(WI, WO), rtol=1e-12
+        values[1], paint(slices, {"uv": uv[1], "footprint": jnp.asarray(0.0)}).evaluate(WI, WO), rtol=1e-12
     )
 
 
 def test_a_footprint_chooses_each_maps_own_level():
     fine, coarse = RNG.random((8, 8, 3)), RNG.random((1, 1, 3))
     levels = [fine, RNG.random((4, 4, 3)), RNG.random((2, 2, 3)), coarse]
-    m = SVBRDF({"color": texture_map(levels), "other": texture_map(levels[2:])}, lambda t: Lambert(t["color"]))
+    m = SVBRDF({"color": texture_map(levels), "other": texture_map(levels[2:])}, lambda _, t: Lambert(t["color"]))
     uv = jnp.asarray([0.3, 0.7])
     for footprint, level in ((0.0, 0.0), (1 / 8, 0.0), (1 / 4, 1.0), (0.3, np.log2(2.4)), (1.0, 3.0), (7.0, 3.0)):
         at = m.at(uv, jnp.asarray(footprint))
