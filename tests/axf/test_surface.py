@@ -50,8 +50,11 @@ def test_a_paints_flakes_are_those_of_the_file(paint):
     stack = paint.textures["btfflakes"].levels[0]
     _, height, width, _ = stack.shape
     row, column, bin_f, bin_i = 5, 9, 2, 3
-    uv = jnp.asarray([(column + 0.5) / width, (row + 0.5) / height])
-    model = surface.at(uv)
+    # The flakes' tile is smaller than the coat's maps, whose extent is uv = 1.
+    coat, tile = paint.textures["clearcoatnormal"], paint.textures["btfflakes"]
+    tiles = np.asarray([coat.width_mm / tile.width_mm, coat.height_mm / tile.height_mm])
+    assert (tiles > 1).all()
+    model = surface.at(jnp.asarray(np.asarray([(column + 0.5) / width, (row + 0.5) / height]) / tiles))
     assert isinstance(model, ClearCoat)
     assert isinstance(model.base, CarPaint)
     flakes = model.base.flakes
