@@ -1,9 +1,16 @@
 """Pictures of materials: spheres in a studio or under sun and sky, tone mapped for a page."""
 
 from axffit.preview.environment import AbstractEnvironment, Studio, SunSky, Uniform
-from axffit.preview.picture import difference_to_display, png_bytes, to_display, tone_curve
+from axffit.preview.picture import (
+    difference_to_display,
+    display_steps,
+    indexed_png_bytes,
+    png_bytes,
+    to_display,
+    tone_curve,
+)
 from axffit.preview.sampling import Samples
-from axffit.preview.sphere import render_sphere
+from axffit.preview.sphere import render_layers, render_sphere
 
 __all__ = [
     "AbstractEnvironment",
@@ -12,7 +19,10 @@ __all__ = [
     "SunSky",
     "Uniform",
     "difference_to_display",
+    "display_steps",
+    "indexed_png_bytes",
     "png_bytes",
+    "render_layers",
     "render_sphere",
     "to_display",
     "tone_curve",

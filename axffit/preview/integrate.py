@@ -1,4 +1,4 @@
-"""Light reflected at one point: the integral of f L cos over the hemisphere, and a mirror coat on top."""
+"""Light reflected at one point: the integral of f L cos over the hemisphere, and the mirror of a coat."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -47,7 +47,7 @@ def reflected_radiance(
     own = jnp.concatenate([x[starts[k] : starts[k + 1]] for k, x in enumerate(expected)])
     weight = cosine * own / jnp.maximum(sum(x * x for x in expected), 1e-20)
     value = brdf.evaluate(wi, jnp.broadcast_to(wo, wi.shape)) * environment.radiance(in_scene)
-    return jnp.sum(value * weight[:, None], axis=0) + mirrored_radiance(brdf, environment, frame, wo)
+    return jnp.sum(value * weight[:, None], axis=0)
 
 
 def mirrored_radiance(brdf: AbstractBRDF, environment: AbstractEnvironment, frame, wo: Direction) -> RGB:

@@ -44,16 +44,25 @@ def to_display(radiance: np.ndarray, *, exposure: float = DEFAULT_EXPOSURE) -> n
     return np.round(255.0 * encode_srgb(tone_curve(exposure * np.asarray(radiance, np.float64)))).astype(np.uint8)
 
 
+def _difference(a: np.ndarray, b: np.ndarray, exposure: float) -> np.ndarray:
+    """|a - b| between the sRGB values in [0, 1] of two radiances, before they are rounded to 8 bits."""
+    first, second = (encode_srgb(tone_curve(exposure * np.asarray(x, np.float64))) for x in (a, b))
+    return np.abs(first - second)
+
+
 def difference_to_display(
     a: np.ndarray, b: np.ndarray, *, gain: float = DIFFERENCE_GAIN, exposure: float = DEFAULT_EXPOSURE
 ) -> np.ndarray:
-    """``gain`` × |a - b| of two radiances (H, W, 3) as 8-bit sRGB levels around black.
+    """``gain`` × |a - b| of two radiances (H, W, 3) as 8-bit sRGB levels above black.
 
-    The difference is taken between the sRGB values of both pictures before they are rounded to 8 bits: one 8-bit
-    step shows as ``gain`` levels, and differences below a step are kept.
+    One 8-bit step of the display shows as ``gain`` levels; differences below a step are kept.
     """
-    first, second = (encode_srgb(tone_curve(exposure * np.asarray(x, np.float64))) for x in (a, b))
-    return np.round(255.0 * np.clip(gain * np.abs(first - second), 0.0, 1.0)).astype(np.uint8)
+    return np.round(255.0 * np.clip(gain * _difference(a, b, exposure), 0.0, 1.0)).astype(np.uint8)
+
+
+def display_steps(a: np.ndarray, b: np.ndarray, *, exposure: float = DEFAULT_EXPOSURE) -> np.ndarray:
+    """Difference of two radiances (H, W, 3) as shown, in 8-bit steps of the display, largest channel, (H, W)."""
+    return 255.0 * _difference(a, b, exposure).max(axis=-1)
 
 
 def _paeth_filtered(rows: np.ndarray) -> bytes:
@@ -70,15 +79,31 @@ def _paeth_filtered(rows: np.ndarray) -> bytes:
     return np.concatenate([np.full((height, 1), 4, np.uint8), filtered], axis=1).tobytes()
 
 
+def _png(header: bytes, *chunks: tuple[bytes, bytes]) -> bytes:
+    """A PNG file of a header and further chunks (type, body), marked sRGB; the end chunk is added."""
+    parts = [b"\x89PNG\r\n\x1a\n"]
+    for kind, body in ((b"IHDR", header), (b"sRGB", b"\0"), *chunks, (b"IEND", b"")):
+        parts.append(struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body)))
+    return b"".join(parts)
+
+
 def png_bytes(picture: np.ndarray) -> bytes:
-    """An 8-bit RGB picture (H, W, 3) as PNG, marked sRGB; the same picture always gives the same bytes."""
+    """An 8-bit RGB picture (H, W, 3) as PNG; the same picture always gives the same bytes."""
     if picture.dtype != np.uint8 or picture.ndim != 3 or picture.shape[2] != 3:
         raise ValueError(f"a PNG takes uint8 pictures of shape (H, W, 3), not {picture.dtype} {picture.shape}")
-
-    def chunk(kind: bytes, body: bytes) -> bytes:
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-
     header = struct.pack(">IIBBBBB", picture.shape[1], picture.shape[0], 8, 2, 0, 0, 0)
-    data = zlib.compress(_paeth_filtered(picture), 9)
-    parts = [chunk(b"IHDR", header), chunk(b"sRGB", b"\0"), chunk(b"IDAT", data), chunk(b"IEND", b"")]
-    return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
+    return _png(header, (b"IDAT", zlib.compress(_paeth_filtered(picture), 9)))
+
+
+def indexed_png_bytes(indices: np.ndarray, palette: np.ndarray) -> bytes:
+    """A picture of indices (H, W) uint8 into a palette (K, 3) uint8 as PNG: a third of the size of RGB."""
+    if (
+        indices.dtype != np.uint8
+        or indices.ndim != 2
+        or palette.dtype != np.uint8
+        or int(indices.max()) >= len(palette)
+    ):
+        raise ValueError(f"indices {indices.dtype} {indices.shape} and palette {palette.shape} make no indexed PNG")
+    header = struct.pack(">IIBBBBB", indices.shape[1], indices.shape[0], 8, 3, 0, 0, 0)
+    rows = np.concatenate([np.zeros((len(indices), 1), np.uint8), indices], axis=1)
+    return _png(header, (b"PLTE", palette.tobytes()), (b"IDAT", zlib.compress(rows.tobytes(), 9)))

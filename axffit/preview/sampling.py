@@ -36,9 +36,9 @@ class Samples(eqx.Module):
         self,
         *,
         lobe_roughness: tuple[float, ...] = (0.012, 0.04, 0.13, 0.4),
-        lobe: int = 48,
-        cosine: int = 64,
-        light: int = 64,
+        lobe: int = 34,
+        cosine: int = 55,
+        light: int = 55,
     ):
         """``lobe`` samples for each roughness, ``cosine`` over the hemisphere, ``light`` for each light."""
         self.lobe_roughness = lobe_roughness

@@ -38,11 +38,30 @@ def look_up(brdf_map: AbstractBRDF, uv: np.ndarray) -> AbstractBRDF:
     height, width = map_shape(brdf_map)
     neighbors = _bilinear(height, width, uv)
 
-    def filtered(leaf: jax.Array, transform: Callable = lambda x: x) -> np.ndarray:
-        values = transform(np.asarray(leaf))
+    def weighted(values: np.ndarray) -> np.ndarray:
         broadcast = (slice(None), *[None] * (values.ndim - 2))
         parts = [values[row, column] * weight[broadcast].astype(values.dtype) for row, column, weight in neighbors]
         return parts[0] + parts[1] + parts[2] + parts[3]
+
+    return _filter(brdf_map, weighted)
+
+
+def minified(brdf_map: AbstractBRDF, factor: int) -> AbstractBRDF:
+    """The map with every ``factor`` × ``factor`` texels averaged to one, as in a mip level; rests are cut off."""
+    height, width = (size // factor for size in map_shape(brdf_map))
+
+    def averaged(values: np.ndarray) -> np.ndarray:
+        cut = values[: height * factor, : width * factor]
+        return cut.reshape(height, factor, width, factor, *values.shape[2:]).mean(axis=(1, 3), dtype=values.dtype)
+
+    return brdf_map if factor == 1 else _filter(brdf_map, averaged)
+
+
+def _filter(brdf_map: AbstractBRDF, weighted: Callable[[np.ndarray], np.ndarray]) -> AbstractBRDF:
+    """``brdf_map`` with a linear filter applied to every array leaf, angles through the double angle."""
+
+    def filtered(leaf: jax.Array, transform: Callable = lambda x: x) -> np.ndarray:
+        return weighted(transform(np.asarray(leaf)))
 
     def framed(node):
         if not isinstance(node, Framed):

@@ -1,0 +1,173 @@
+"""What a page says of one verdict, fit or comparison: JSON content, and the pictures that go with it.
+
+The content is complete without the pictures: everything that a plot shows is in it as numbers.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from axffit.axf import AxfMaterial
+from axffit.brdf import AbstractBRDF, ClearCoat
+from axffit.measured import Measurements
+from axffit.report import curves, pictures, plots
+from axffit.targets import PackedMaterial, target_named
+
+if TYPE_CHECKING:
+    from axffit.fitting import Comparison, FitResult
+    from axffit.quantization import Verdict
+
+SPHERE_SIZE = 256
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a page.
+
+    Attributes:
+        content: JSON-ready: ``kind``, ``title``, ``result`` and the numbers behind the plots.
+        pictures: name to a data URI, or to an SVG element for names that begin with ``plot``.
+    """
+
+    content: Mapping[str, Any]
+    pictures: Mapping[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class VerifiedMaterial:
+    """A verdict and the material it is about.
+
+    Attributes:
+        verdict: of `axffit.quantization.verify`.
+        material: the original, for the spheres; None leaves them out.
+    """
+
+    verdict: "Verdict"
+    material: AxfMaterial | None = None
+
+    def section(self, *, sphere_size: int = SPHERE_SIZE) -> Section:
+        """Content and pictures of the verdict."""
+        verdict = self.verdict
+        shown: dict[str, str] = {}
+        maps = {}
+        for name, errors in verdict.error_maps.items():
+            picture = pictures.error_map_picture(errors)
+            shown[f"error {name}"] = picture.uri
+            maps[name] = {"largest": picture.largest, "texels_per_pixel": picture.block}
+        spheres: dict[str, Any] | None = None
+        if self.material is not None and verdict.brdf.errors is not None:
+            made = pictures.material_spheres(self.material, _as_packed(verdict, self.material), size=sphere_size)
+            shown |= {f"sphere {name}": uri for name, uri in made.uris.items()}
+            spheres = {"difference_gain": made.gain, "largest_steps": made.largest, "most_steps": made.most}
+        content = {
+            "kind": "verify",
+            "title": verdict.name or verdict.id,
+            "result": verdict.to_json(),
+            "error_maps": maps,
+            "spheres": spheres,
+        }
+        return Section(content, shown)
+
+
+def _as_packed(verdict: "Verdict", material: AxfMaterial) -> AxfMaterial:
+    """The material as the target's shader sees it, without its flakes."""
+    textures = {t.packed.name: t.packed for t in verdict.textures if t.packed.axf_name != "btfflakes"}
+    packed = PackedMaterial(verdict.target, verdict.id, verdict.name, material.kind, textures, verdict.values)
+    return target_named(verdict.target).unpack(packed)
+
+
+@dataclass(frozen=True, eq=False)
+class FittedSamples:
+    """A fit and what it was made to.
+
+    Attributes:
+        result: of `axffit.fitting.fit`.
+        measurements: the samples.
+        measured: the samples as a BRDF that can be evaluated anywhere (`axffit.measured.interpolant`), for the plots
+            and the spheres; None leaves them out.
+    """
+
+    result: "FitResult"
+    measurements: Measurements
+    measured: AbstractBRDF | None = None
+
+    def section(self, *, sphere_size: int = SPHERE_SIZE) -> Section:
+        """Content and pictures of the fit."""
+        return _sampled("fit", self.result.to_json(), self.result.model, self.measurements, self.measured, sphere_size)
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedSamples:
+    """A comparison of a model with samples.
+
+    Attributes:
+        comparison: of `axffit.fitting.compare`.
+        model: the BRDF that was compared.
+        measurements: the samples.
+        measured: the samples as a BRDF, as in `FittedSamples`.
+        title: what was compared, for people.
+    """
+
+    comparison: "Comparison"
+    model: AbstractBRDF
+    measurements: Measurements
+    measured: AbstractBRDF | None = None
+    title: str = ""
+
+    def section(self, *, sphere_size: int = SPHERE_SIZE) -> Section:
+        """Content and pictures of the comparison."""
+        section = _sampled(
+            "compare", self.comparison.to_json(), self.model, self.measurements, self.measured, sphere_size
+        )
+        return replace(section, content={**section.content, "title": self.title or section.content["title"]})
+
+
+def _sampled(
+    kind: str,
+    result: Mapping[str, Any],
+    model: AbstractBRDF | None,
+    measurements: Measurements,
+    measured: AbstractBRDF | None,
+    sphere_size: int,
+) -> Section:
+    """What fits and comparisons share: lobes, where the model fails, spheres. Without a model only words remain."""
+    title = measurements.name or "samples"
+    failure = lobes = None
+    spheres = False
+    shown: dict[str, str] = {}
+    if model is not None:
+        failure = curves.failure_map(measurements, model)
+        shown["plot failure"] = plots.failure_heat_map(failure, label=f"{title}: model over measurement, by angle")
+    if model is not None and measured is not None:
+        lobes = curves.incidence_plane(measured, model)
+        shown["plot log"] = plots.lobes_log(lobes, label=f"{title}: lobes in the plane of incidence, logarithmic")
+        shown["plot polar"] = plots.lobes_polar(lobes, label=f"{title}: lobes in the plane of incidence, polar")
+        spheres = pictures.affordable(model)
+        if spheres:
+            shown["sphere measured"], _ = pictures.spheres(measured, size=sphere_size)
+            shown["sphere model"], coated = pictures.spheres(model, size=sphere_size)
+            if isinstance(model, ClearCoat):
+                shown["sphere coated"] = coated
+    content = {
+        "kind": kind,
+        "title": title,
+        "result": result,
+        "samples": _describe(measurements),
+        "incidence_plane": lobes,
+        "spheres": spheres,
+        "failure_map": failure,
+        "coated": isinstance(model, ClearCoat),
+    }
+    return Section(content, shown)
+
+
+def _describe(measurements: Measurements) -> dict[str, Any]:
+    """Number of samples and where they came from."""
+    return {
+        "count": len(measurements.wi),
+        "valid": int(np.count_nonzero(measurements.valid)),
+        "noise_known": measurements.sigma is not None,
+        "provenance": dict(measurements.provenance),
+    }

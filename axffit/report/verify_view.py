@@ -1,0 +1,249 @@
+"""A verdict's JSON as the words and numbers that its section shows."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from axffit.report.numbers import MISSING, count, number, percent, significant
+
+TEXTURES = {
+    "diffusecolor": "Diffuse color",
+    "specularcolor": "Specular color",
+    "normal": "Normal",
+    "specularlobe": "Specular lobe",
+    "opacity": "Opacity",
+    "fresnel": "Fresnel F0",
+    "anisrotation": "Anisotropy rotation",
+    "height": "Height",
+    "brdfcolors": "BRDF colors",
+    "btfflakes": "Flakes",
+    "clearcoatcolor": "Clear-coat color",
+    "clearcoatnormal": "Clear-coat normal",
+    "clearcoatior": "Clear-coat IOR",
+}
+
+MEASURES = {
+    ("angle", "degrees"): "angle",
+    ("axis_angle", "degrees"): "axis angle",
+    ("relative", ""): "relative",
+    ("absolute", ""): "absolute",
+    ("absolute", "mm"): "height",
+    ("delta_e_2000", "dE2000"): "ΔE 2000",
+    ("f0", ""): "F0",
+    ("ior", ""): "IOR",
+}
+
+UNITS = {"degrees": "°", "mm": "mm", "dE2000": ""}
+
+STATISTICS = {"mean": "mean", "p95": "95 %", "p999": "99.9 %", "max": "max"}
+
+
+def verify_view(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Rows and sentences of a section of kind "verify"."""
+    result = content["result"]
+    textures = [_texture(row, content["error_maps"].get(row["name"])) for row in result["textures"]]
+    return {
+        "kicker": f"{result['material']['kind']} verified for {result['target']}",
+        "badge": {
+            "tone": "good" if result["within"] else "bad",
+            "text": "within tolerance" if result["within"] else "outside tolerance",
+        },
+        "sentence": _sentence(result),
+        "failures": result["failures"],
+        "textures": sorted(textures, key=lambda row: row["defaulted"]),
+        "reflectance": [_reflectance(row) for row in result["brdf"]["rows"]],
+        "reflectance_note": _reflectance_note(result["brdf"]),
+        "lut": None if result["lut"] is None else _lut(result["lut"]),
+        "flags": result["flags"],
+        "values": [(name, _value(value)) for name, value in result["values"].items()],
+        "notes": result["notes"],
+        "tolerances": result["tolerances"],
+        "bytes": _size(sum(row["bytes"] for row in result["textures"])),
+        "spheres": None if content["spheres"] is None else _spheres(content["spheres"]),
+    }
+
+
+def _spheres(spheres: Mapping[str, Any]) -> dict[str, str]:
+    largest, most = (significant(spheres[name], 2) for name in ("largest_steps", "most_steps"))
+    return {
+        "title": f"Difference × {number(spheres['difference_gain'], 4)}",
+        "caption": f"of a display's 8-bit steps: {largest} at most, below {most} in 99.5 % of the picture",
+    }
+
+
+def _sentence(result: Mapping[str, Any]) -> str:
+    textures = len(result["textures"])
+    if result["within"]:
+        levels = "every texture" if textures else "everything"
+        parts = [f"{levels} ({textures})"]
+        if result["lut"] is not None:
+            parts.append("the slice table")
+        if result["brdf"]["evaluated"]:
+            parts.append("the reflectance")
+        joined = ", ".join(parts[:-1]) + " and " + parts[-1] if len(parts) > 1 else parts[0]
+        return f"{joined[0].upper()}{joined[1:]} within tolerance."
+    outside = len(result["failures"])
+    return f"{outside} {'check is' if outside == 1 else 'checks are'} outside tolerance."
+
+
+def _texture(row: Mapping[str, Any], error_map: Mapping[str, Any] | None) -> dict[str, Any]:
+    first = row["measures"][0]
+    shape = " × ".join(str(size) for size in reversed(row["shape"]))
+    return {
+        "title": TEXTURES.get(row["axf_name"], row["axf_name"]),
+        "name": row["name"],
+        "format": row["format"],
+        "transform": row["transform"],
+        "rounding": row["rounding"].replace("_", " "),
+        "size": shape if row["levels"] == 1 else f"{shape}, {row['levels']} levels",
+        "defaulted": row["defaulted"],
+        "measures": [_measure(measure) for measure in row["measures"]],
+        "within": row["within"],
+        "remarks": _remarks(row),
+        "scale_top": None if error_map is None else _quantity(error_map["largest"], first["quantity"], first["unit"]),
+        "exact": error_map is None or error_map["largest"] == 0,
+        "block": 1 if error_map is None else error_map["texels_per_pixel"],
+        "where": _place(first["where"]),
+    }
+
+
+def _is_ratio(quantity: str, unit: str) -> bool:
+    return quantity == "relative" and not unit
+
+
+def _quantity(value: float | None, quantity: str, unit: str, digits: int = 3) -> str:
+    """A value with its unit; relative errors as percentages; None is an error without limit."""
+    if value is None:
+        return "∞"
+    if _is_ratio(quantity, unit):
+        return percent(value, digits)
+    text = significant(value, digits)
+    short = UNITS.get(unit, unit)
+    return text + short if short == "°" else " ".join(filter(None, (text, short)))
+
+
+def _measure(measure: Mapping[str, Any]) -> dict[str, Any]:
+    quantity, unit = measure["quantity"], measure["unit"]
+    limit = measure["tolerance"]
+    statistic = STATISTICS.get(measure["statistic"] or "", "")
+    shown = MISSING if limit is None else _limit(limit, quantity, unit)
+    return {
+        "label": MEASURES.get((quantity, unit), quantity.replace("_", " ")),
+        "values": [_quantity(measure[name], quantity, unit) for name in ("mean", "p95", "max")],
+        "tolerance": shown,
+        "of": f"of {statistic}" if limit is not None and statistic != "max" else "",
+        "judged": limit is not None,
+        "within": measure["within"],
+        "reason": measure["reason"],
+    }
+
+
+def _limit(limit: float, quantity: str, unit: str) -> str:
+    if _is_ratio(quantity, unit):
+        return f"{number(100 * limit)}\u00a0%"
+    short = UNITS.get(unit, unit)
+    return number(limit) + short if short == "°" else " ".join(filter(None, (number(limit), short)))
+
+
+def _place(where: Mapping[str, Any]) -> str:
+    parts = [f"level {where['level']}"] if where["level"] else []
+    parts += [] if where["slice"] is None else [f"slice {where['slice']}"]
+    return ", ".join([*parts, f"row {where['row']}", f"column {where['column']}"])
+
+
+def _remarks(row: Mapping[str, Any]) -> list[str]:
+    """What could not be kept as it was, in words."""
+    remarks = []
+    texels = lambda n: f"{count(n)} texel{'' if n == 1 else 's'}"  # noqa: E731
+    if row["defaulted"]:
+        remarks.append("not in the material: the target's default")
+    if row["clamped"]:
+        remarks.append(f"{texels(row['clamped'])} clamped, by {significant(row['excess'], 2)} at most")
+    if row["wrapped"]:
+        remarks.append(f"{texels(row['wrapped'])} brought back by whole turns")
+    if row["replaced"]:
+        remarks.append(f"{texels(row['replaced'])} without meaning (not a number, or not positive) became 1.5")
+    if row["folded"]:
+        remarks.append(f"{texels(row['folded'])} come back as another value (n < 1 as 1/n)")
+    if row["floored"]:
+        remarks.append(f"{texels(row['floored'])} of roughness read as 10⁻⁴")
+    return remarks
+
+
+BRDF_ROWS = {
+    "peak_relative": ("Largest error, of the peak", "max |f′ − f| cos θᵢ / peak of f cos θᵢ for that view"),
+    "log_ratio": ("Largest ratio, within the lobe", "max |log f′ − log f| where f cos θᵢ is at least 10⁻³ of the peak"),
+}
+
+
+def _reflectance(row: Mapping[str, Any]) -> dict[str, Any]:
+    title, formula = BRDF_ROWS.get(row["name"], (row["name"], row["title"]))
+    limit = row["tolerance"]
+    return {
+        "definition": row["definition"],
+        "title": title,
+        "formula": formula,
+        "found": "∞" if row["found"] is None else percent(row["found"]),
+        "tolerance": MISSING if limit is None else f"{number(100 * limit)}\u00a0%",
+        "within": row["within"],
+        "judged": limit is not None,
+        "reason": row["reason"],
+    }
+
+
+def _reflectance_note(brdf: Mapping[str, Any]) -> str:
+    if not brdf["evaluated"]:
+        return f"Not evaluated: {brdf['reason']}"
+    sample = brdf["sample"]
+    strip = brdf["strip"]["found"]
+    return (
+        f"Largest found over {count(sample['texels'])} texels (the worst of each map among them), {sample['views']} "
+        f"views and {count(sample['lights'])} lights each, all at least 1° above the horizon: found, not a bound. "
+        f"Within 1° of a tilted normal's horizon, where f jumps to 0: {'∞' if strip is None else percent(strip)} "
+        "of the peak."
+    )
+
+
+def _lut(lut: Mapping[str, Any]) -> dict[str, Any]:
+    used = len({k for k in lut["entries"]})
+    return {
+        "name": lut["name"],
+        "format": lut["format"],
+        "entries": f"{len(lut['entries'])} entries, {used} different",
+        "wrong": lut["wrong"],
+        "within": lut["within"],
+        "readings": [
+            {
+                "decode": reading["decode"],
+                "rounding": reading["rounding"],
+                "all": count(len(reading["failures"])),
+                "used": _listed(reading["failures_used"]),
+                "clean": not reading["failures_used"],
+            }
+            for reading in lut["readings"]
+        ],
+        "checks": [
+            {
+                "title": check["check"].removeprefix("lut."),
+                "found": number(check["found"]),
+                "tolerance": MISSING if check["tolerance"] is None else number(check["tolerance"]),
+                "judged": check["tolerance"] is not None,
+                "within": check["within"],
+                "reason": check["reason"],
+            }
+            for check in lut["checks"]
+        ],
+    }
+
+
+def _listed(values: list[int]) -> str:
+    return "none" if not values else f"{len(values)}: {', '.join(str(k) for k in values)}"
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, list | tuple):
+        return "(" + ", ".join(number(float(x), 6) for x in value) + ")"
+    return str(value) if isinstance(value, int) else number(float(value), 6)
+
+
+def _size(size: int) -> str:
+    return f"{number(size / 2**20, 3)} MiB" if size >= 2**20 else f"{number(size / 2**10, 3)} KiB"
