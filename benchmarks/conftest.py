@@ -1,6 +1,7 @@
 """Puts the measured ratios into words at the end of a benchmark run."""
 
 import os
+from typing import Any
 
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 
@@ -8,7 +9,7 @@ os.environ.setdefault("JAX_PLATFORMS", "cpu")
 def pytest_terminal_summary(terminalreporter, config):
     """One line a group: throughput, ratio to the NumPy peer, and what compiling costs once."""
     session = getattr(config, "_benchmarksession", None)
-    groups: dict[str, dict[str, object]] = {}
+    groups: dict[str, dict[str, Any]] = {}
     for bench in session.benchmarks if session else ():
         groups.setdefault(bench.group, {})[bench.extra_info["implementation"]] = bench
     for group, found in sorted(groups.items()):

@@ -106,7 +106,7 @@ def modules_of_equinox() -> list[type]:
     """Every equinox Module class that axffit defines."""
     found = set()
     for info in pkgutil.walk_packages([str(ROOT)], "axffit."):
-        if not info.name.startswith(("axffit.cli", "axffit.__main__")):
+        if info.name != "axffit.__main__":
             for value in vars(importlib.import_module(info.name)).values():
                 if inspect.isclass(value) and issubclass(value, eqx.Module) and value.__module__ == info.name:
                     found.add(value)

@@ -1,6 +1,6 @@
 """What a verb prints: the short form of its JSON."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from rich.console import Console
@@ -93,7 +93,7 @@ def comparison_parts(content: Content, title: str) -> list[object]:
     """A comparison: its metrics overall and by region, and where the model fails."""
     from axffit.report.numbers import percent
 
-    def degrees(pair: tuple[float, float]) -> str:
+    def degrees(pair: Sequence[float]) -> str:
         return f"{pair[0]:g} to {pair[1]:g}"
 
     rows = [

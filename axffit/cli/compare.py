@@ -34,12 +34,15 @@ Example
 
 
 class Compared(NamedTuple):
-    """A comparison, the model, the samples, and those samples as a BRDF that can be evaluated anywhere."""
+    """A comparison, the model, the samples, and those samples as a BRDF that can be evaluated anywhere.
+
+    Without the last there are no curves and spheres; a mean over many texels would take hours to render.
+    """
 
     comparison: "Comparison"
     model: "AbstractBRDF"
     measurements: "Measurements"
-    measured: "AbstractBRDF"
+    measured: "AbstractBRDF | None"
     title: str
 
 
@@ -74,7 +77,9 @@ def run(
     report("evaluating the model", 0.0)
     comparison = fitting.compare(model, samples)
     title = f"{chosen.name or chosen.id} against {samples.name or samples_file.name}"
-    return Compared(comparison, model, samples, measured.interpolant(samples_file, sample_name), title)
+    textured = chosen.kind is axf.MaterialKind.SVBRDF
+    anywhere = None if textured else measured.interpolant(samples_file, sample_name)
+    return Compared(comparison, model, samples, anywhere, title)
 
 
 def command(

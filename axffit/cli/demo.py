@@ -121,7 +121,8 @@ def _prefixed(progress: ProgressCallback, name: str) -> ProgressCallback:
     return lambda stage, fraction: progress(f"{name}: {stage}", fraction)
 
 
-def _default_folder() -> Path:
+def default_folder() -> Path:
+    """Where the page goes when no folder is named: reports/latest in a clone, else a new temporary folder."""
     home = clone()
     return home / "reports" / "latest" if home is not None else Path(tempfile.mkdtemp(prefix="axffit-demo-"))
 
@@ -138,7 +139,7 @@ def command(
     quick: Annotated[bool, typer.Option("--quick", help="Maps of 64 texels and no real paints.")] = False,
 ) -> None:
     """The verb as typer calls it; see `HELP`."""
-    folder = make_folder(out if out is not None else _default_folder())
+    folder = make_folder(out if out is not None else default_folder())
     with progress_on_stderr() as progress:
         shown = run(folder, size=size, quick=quick, progress=progress)
     write_all({folder / "report.json": json_text(shown.page.content), folder / PAGE: shown.page.html})

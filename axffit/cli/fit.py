@@ -163,5 +163,8 @@ def command(
             fitted_material = as_material(fitted)
             results[out] = lambda path: axf.write(path, fitted_material)
     write_all(results)
+    left_out = [path.name for path in (html, out) if path is not None and path not in results]
+    if left_out:
+        typer.echo(f"axffit: there is no fitted model, not written: {', '.join(left_out)}", err=True)
     show(*fit_parts(content))
     raise typer.Exit(0 if fitted.result.outcome.ok else 1)

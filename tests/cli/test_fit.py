@@ -1,0 +1,69 @@
+"""`axffit fit`: exit codes, results, and a fitted paint that goes back into AxF."""
+
+import json
+
+import jax.numpy as jnp
+import jsonschema
+import numpy as np
+import pytest
+
+from axffit import axf, brdf, measured
+from axffit.cli import compare, dispatch, fit
+from axffit.fitting.result import FitResult, Outcome, schema
+from axffit.measured import mbsdf
+from tests.conftest import PROJECT
+
+SAMPLES = PROJECT / "data_synthetic" / "noisy_car_paint" / "noisy_car_paint.mbsdf"
+
+
+def test_a_fit_shows_parameters_metrics_and_outcome(tmp_path, capsys):
+    results = tmp_path / "fit.json", tmp_path / "page.html"
+    command = ["fit", str(SAMPLES), "--model", "lambert+coat", "--json", str(results[0]), "--html", str(results[1])]
+    assert dispatch(command) == 0
+    content = json.loads(results[0].read_text())
+    jsonschema.validate(content, schema())
+    shown = capsys.readouterr().out
+    assert shown.splitlines()[0] == "lambert+coat fitted to noisy_car_paint"
+    assert shown.splitlines()[-1] == content["advice"]
+    assert not [p["name"] for p in content["parameters"] if f"\n{p['name']} " not in shown]
+    assert f"axffit fit {SAMPLES} --model lambert+coat --lobes 3" in results[1].read_text()
+
+
+def test_samples_that_allow_no_fit_end_in_1_with_advice_and_without_a_page(tmp_path, capsys):
+    path = tmp_path / "black.mbsdf"
+    mbsdf.write_table(path, np.zeros((4, 4, 8, 3)))
+    results = [tmp_path / name for name in ("fit.json", "page.html", "fitted.axf")]
+    flags = ("--json", "--html", "--out")
+    options = [word for pair in zip(flags, map(str, results), strict=True) for word in pair]
+    assert dispatch(["fit", str(path), *options]) == 1
+    shown = capsys.readouterr()
+    assert "a black material has no parameters to find" in shown.out
+    assert [result.exists() for result in results] == [True, False, False]
+    assert "not written: page.html, fitted.axf" in shown.err
+
+
+def test_only_car_paints_are_written(tmp_path, capsys):
+    assert dispatch(["fit", str(SAMPLES), "--model", "ggx", "--out", str(tmp_path / "a.axf")]) == 2
+    assert "--out writes car paints only" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("refracting", [None, False, True])
+def test_a_fitted_paint_reflects_the_same_after_a_trip_through_axf(tmp_path, refracting):
+    colors = np.random.default_rng(5).uniform(0.2, 1.2, (8, 8, 3)).astype(np.float32)
+    paint = brdf.CarPaint(0.1, [0.4, 0.2], [0.3, 0.9], [0.1, 0.5], brdf.ColorTable(colors))
+    model = paint if refracting is None else brdf.ClearCoat(paint, 1.5, refracting=refracting)
+    samples = measured.read(SAMPLES)
+    fitted = fit.Fitted(FitResult(model, "carpaint", Outcome.CONVERGED), samples, measured.interpolant(SAMPLES))
+    axf.write(tmp_path / "fitted.axf", fit.as_material(fitted))
+    back = axf.to_brdf(axf.read(tmp_path / "fitted.axf").material("noisy_car_paint"))
+    wi, wo = (jnp.asarray(side[::1000]) for side in (samples.wi, samples.wo))
+    # AxF stores float32.
+    np.testing.assert_allclose(back.evaluate(wi, wo), model.evaluate(wi, wo), rtol=2e-5)
+
+
+@pytest.mark.slow
+def test_a_car_paint_is_fitted_to_its_noise_and_written(tmp_path):
+    out = tmp_path / "fitted.axf"
+    assert dispatch(["fit", str(SAMPLES), "--model", "carpaint+coat", "--out", str(out)]) == 0
+    metrics = compare.run(out, SAMPLES).comparison.metrics
+    assert metrics.relative_cosine_rms == pytest.approx(0.01, rel=0.15)

@@ -1,0 +1,60 @@
+"""`axffit verify` on the bundled materials."""
+
+import json
+import re
+
+import jsonschema
+import pytest
+
+from axffit.cli import dispatch, verify
+from axffit.quantization.verdict import schema
+from tests.conftest import PROJECT
+
+SVBRDF = PROJECT / "data_synthetic" / "brushed_carbon" / "brushed_carbon.axf"
+PAINT = PROJECT / "data_synthetic" / "metallic_paint" / "metallic_paint.axf"
+
+
+@pytest.mark.parametrize("path", [SVBRDF, PAINT], ids=lambda path: path.stem)
+def test_bundled_materials_are_within_tolerance(path, tmp_path, capsys):
+    results = tmp_path / "verdict.json", tmp_path / "page.html"
+    code = dispatch(["verify", str(path), "--json", str(results[0]), "--html", str(results[1])])
+    shown = capsys.readouterr().out
+    assert code == 0, shown
+    content = json.loads(results[0].read_text())
+    jsonschema.validate(content, schema())
+    # Each texture has its line, the outcome is the last.
+    assert not [row["axf_name"] for row in content["textures"] if f"\n{row['axf_name']}" not in shown]
+    assert shown.splitlines()[-1] == content["summary"]
+    page = results[1].read_text()
+    assert content["material"]["name"] in page
+    assert f"axffit verify {path}" in page
+
+
+def test_a_tolerance_that_is_exceeded_is_named_and_ends_in_1(tmp_path, capsys):
+    limits = tmp_path / "strict.toml"
+    limits.write_text("[textures.normal.angle]\nlimit = 1e-4\n")
+    verdict = tmp_path / "verdict.json"
+    assert dispatch(["verify", str(SVBRDF), "--tolerance", str(limits), "--json", str(verdict)]) == 1
+    outside = [line for line in capsys.readouterr().out.splitlines() if line.startswith("OUTSIDE")]
+    assert len(outside) == 1
+    assert re.match(r"OUTSIDE: textures\.normal\.angle: 0\.00\d+ > 0\.0001", outside[0])
+    assert not json.loads(verdict.read_text())["within"]
+
+
+@pytest.mark.parametrize(("text", "says"), [("[textures.normal.angle]\nlimit = -1\n", "limit = -1"), ("]", "no TOML")])
+def test_a_bad_tolerance_file_is_named(tmp_path, capsys, text, says):
+    limits = tmp_path / "bad.toml"
+    limits.write_text(text)
+    assert dispatch(["verify", str(SVBRDF), "--tolerance", str(limits)]) == 2
+    assert (shown := capsys.readouterr()).out == ""
+    assert f"{limits}: " in shown.err
+    assert says in shown.err
+
+
+def test_run_needs_no_command_line():
+    stages = []
+    verified = verify.run(PAINT, progress=lambda stage, fraction: stages.append((stage, fraction)))
+    assert verified.verdict.within
+    assert verified.material.id == "metallic_paint"
+    assert all(0.0 <= fraction <= 1.0 for _, fraction in stages)
+    assert len({stage for stage, _ in stages}) > 1
