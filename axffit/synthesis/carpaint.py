@@ -4,7 +4,7 @@ import numpy as np
 
 from .. import brdf
 from ..axf import AxfMaterial, AxfTexture, MaterialKind
-from .flakes import BINS, TEXEL_MM, flake_stack
+from .flakes import BINS, FlakeRecipe, flake_stack
 from .noise import fractal_noise, normal_noise, unit_grid, unit_vectors
 
 TABLE_SIZE = 64
@@ -19,6 +19,10 @@ SPREADS = (0.105, 0.265, 4.6)
 """Lobes in the ranges of measured paints: narrow ones of spread 0.05 to 0.3 and a broad one, weights over decades."""
 
 
+FLAKE_TEXEL_MM = 0.03
+"""Side of a texel of the flakes: about the diameter of one."""
+
+
 def metallic_paint(size: int = 64, seed: int = 20180608) -> AxfMaterial:
     """A blue metallic paint as an AxF material: three lobes, color table, flakes with mip levels, coat maps.
 
@@ -29,8 +33,8 @@ def metallic_paint(size: int = 64, seed: int = 20180608) -> AxfMaterial:
     rng = np.random.Generator(np.random.PCG64(seed))
     u, v = unit_grid(size)
     peel = [0.008 * fractal_noise(rng, u, v, (5, 5), octaves=3, size=size) for _ in range(2)]
-    flakes = flake_stack(rng, size // 2, tint=np.array([0.75, 0.9, 1.15]), strength=0.12)
-    extent = TEXEL_MM * (size // 2)
+    extent = FLAKE_TEXEL_MM * (size // 2)
+    flakes = flake_stack(rng, size // 2, extent, FlakeRecipe(color=(0.75, 0.9, 1.15), strength=0.12))
     textures = {
         "brdfcolors": AxfTexture((flop_table().astype(np.float32),)),
         "btfflakes": AxfTexture(flakes.levels, extent, extent),

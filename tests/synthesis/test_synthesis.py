@@ -87,7 +87,7 @@ def test_flakes_vanish_past_45_degrees(paint):
 def test_a_flake_lives_six_to_seven_degrees():
     """Neighboring bins of 7.5 degrees share few flakes, the same bin of a near theta_d most of them."""
     rng = np.random.Generator(np.random.PCG64(5))
-    stack = flakes.flake_stack(rng, 64, tint=np.ones(3), strength=0.1).levels[0].astype(np.float64)
+    stack = flakes.flake_stack(rng, 64, 64 * 0.03, flakes.FlakeRecipe()).levels[0].astype(np.float64)
 
     def likeness(a, b):
         return np.corrcoef(stack[a].ravel(), stack[b].ravel())[0, 1]
