@@ -7,7 +7,7 @@ from axffit.fitting.result import ParameterEstimate, Status
 from axffit.fitting.separable import SeparableProblem, Weights
 from axffit.fitting.uncertainty import Covariance, parameter_covariance
 
-_WIDEST_F0 = 0.25
+_WIDEST_F0 = 0.5
 _WIDEST_LOG_ROUGHNESS = 1.0
 _CHANNELS = ("R", "G", "B")
 
@@ -36,24 +36,28 @@ class _Estimator:
         low: float = 0.0,
         at_bound: bool = False,
         undetermined: bool = False,
-        given_a_bound: bool = False,
     ) -> ParameterEstimate:
         touched = gradient != 0
-        lost = undetermined or not np.all(self.covariance.determined[touched & self.covariance.free])
-        status: Status = "identified"
-        if at_bound:
-            status = "at bound"
-        elif lost:
+        lost = not np.all(self.covariance.determined[touched & self.covariance.free])
+        status: Status = "conditional" if self.conditional else "identified"
+        if undetermined or lost:
             status = "not identified"
-        elif self.conditional or given_a_bound:
-            status = "conditional"
+        if at_bound and not undetermined:
+            status = "at bound"
         known = status in ("identified", "conditional")
         error = self.covariance.error(gradient) if known else None
         return ParameterEstimate(name, float(value), error, status, low, high)
 
-    def f0_undetermined(self, gradient: np.ndarray) -> bool:
-        """Whether the 95 % interval of an F0 spans more than half of [0, 1]."""
-        return 1.96 * self.covariance.error(gradient) > _WIDEST_F0
+    def split_undetermined(self, p: float, q: float, in_p: np.ndarray, in_q: np.ndarray) -> bool:
+        """Whether F0 = p / (p + q) ranges over more than half of [0, 1] within the 99.9 % intervals of p and q.
+
+        The ratio is too far from linear for its own standard error to say so.
+        """
+        dp, dq = 3.29 * self.covariance.error(in_p), 3.29 * self.covariance.error(in_q)
+        least, most = max(p - dp, 0.0), p + dp
+        lowest = least / (least + q + dq) if least > 0 else 0.0
+        highest = most / (most + max(q - dq, 0.0)) if most > 0 else 0.0
+        return highest - lowest > _WIDEST_F0
 
     def roughness(self, name: str, value: float, index: int, *, active: bool) -> ParameterEstimate:
         low, high = ROUGHNESS_BOUNDS
@@ -91,24 +95,30 @@ def _car_paint(
     count = model.lobes
     p, q = values[1::2], values[2::2]
     low, high = ROUGHNESS_BOUNDS
-    active = (p + q > 0) & (spreads > low * 1.001) & (spreads < high * 0.999)
-    covariance = parameter_covariance(problem, shapes, weights, active, color=color)
+    on = p + q > 0
+    free_spreads = on & (spreads > low * 1.001) & (spreads < high * 0.999)
+    # Both weights of a lobe take part even where one ended at 0: only so does its F0 show how little is known of it.
+    free = np.concatenate([free_spreads, [True], np.repeat(on, 2)])
+    covariance = parameter_covariance(problem, shapes, weights, free, color=color)
     make = _Estimator(covariance, conditional=color is not None)
     found = [make.estimate("diffuse", values[0], make.unit(count), at_bound=values[0] == 0)]
     for k in range(count):
-        s, on = p[k] + q[k], p[k] + q[k] > 0
-        f0 = p[k] / s if on else 1.0
+        s, lit = p[k] + q[k], bool(on[k])
         in_p, in_q = make.unit(count + 1 + 2 * k), make.unit(count + 2 + 2 * k)
-        in_f0 = (q[k] * in_p - p[k] * in_q) / s**2 if on else 0.0 * in_p
-        inside = on and p[k] > 0 and q[k] > 0
-        vague = inside and make.f0_undetermined(in_f0)
-        on_edge = on and not inside
+        in_f0 = (q[k] * in_p - p[k] * in_q) / s**2 if lit else 0.0 * in_p
+        vague = lit and make.split_undetermined(p[k], q[k], in_p, in_q)
+        f0_on_edge = lit and (p[k] == 0 or q[k] == 0)
         found += [
+            make.estimate(f"coefficient {k + 1}", s, in_p + in_q, at_bound=not lit, undetermined=vague),
             make.estimate(
-                f"coefficient {k + 1}", s, in_p + in_q, at_bound=not on, undetermined=vague, given_a_bound=on_edge
+                f"f0 {k + 1}",
+                p[k] / s if lit else 1.0,
+                in_f0,
+                high=1.0,
+                at_bound=f0_on_edge,
+                undetermined=vague or not lit,
             ),
-            make.estimate(f"f0 {k + 1}", f0, in_f0, high=1.0, at_bound=on_edge, undetermined=vague or not on),
-            make.roughness(f"spread {k + 1}", spreads[k], k, active=bool(on)),
+            make.roughness(f"spread {k + 1}", spreads[k], k, active=lit),
             make.estimate(f"coefficient x f0 {k + 1}", p[k], in_p, at_bound=p[k] == 0),
         ]
     return tuple(found)
@@ -128,12 +138,20 @@ def _colored(
     f0_on_edge = f0 is not None and (f0 == 0.0 or f0 == 1.0)
     free_shapes = [on and low * 1.001 < roughness < high * 0.999] if lobe else []
     if f0 is not None:
-        free_shapes.append(on and not f0_on_edge)
-    covariance = parameter_covariance(problem, shapes, weights, np.array(free_shapes, bool))
-    make = _Estimator(covariance, conditional=False)
+        free_shapes.append(on)
+    # A term takes part in every channel of which any has it: as for car paint, zeros may be off 0 in truth.
+    free_terms = np.any(values > 0, axis=1)
+    free_terms[0] = True
+    free = np.concatenate([np.array(free_shapes, bool), np.tile(free_terms, channels)])
+    make = _Estimator(parameter_covariance(problem, shapes, weights, free), conditional=False)
     first = len(free_shapes)
     in_f0 = make.unit(1) if f0 is not None else np.zeros(len(make.covariance.free))
-    vague = f0 is not None and on and not f0_on_edge and make.f0_undetermined(in_f0)
+    vague = False
+    if f0 is not None and on:
+        brightest = int(np.argmax(values[1]))
+        s, in_s = values[1, brightest], make.unit(first + brightest * m + 1)
+        in_p, in_q = f0 * in_s + s * in_f0, (1.0 - f0) * in_s - s * in_f0
+        vague = make.split_undetermined(s * f0, s * (1.0 - f0), in_p, in_q)
     found = []
     for c in range(channels):
         diffuse = values[0, c]
@@ -142,9 +160,7 @@ def _colored(
     for c in range(channels if lobe else 0):
         s, in_s = values[1, c], make.unit(first + c * m + 1)
         name = _channel_name("specular", c, channels)
-        found.append(
-            make.estimate(name, s, in_s, at_bound=s == 0, undetermined=vague, given_a_bound=f0_on_edge and s > 0)
-        )
+        found.append(make.estimate(name, s, in_s, at_bound=s == 0, undetermined=vague))
     if lobe:
         found.append(make.roughness("roughness", roughness, 0, active=on))
     if f0 is not None:

@@ -68,14 +68,14 @@ def parameter_covariance(
     problem: SeparableProblem,
     shapes: Shapes,
     weights: Weights,
-    free_shapes: np.ndarray,
+    free: np.ndarray,
     *,
     color: np.ndarray | None = None,
 ) -> Covariance:
     """Covariance of (shapes, then the weights channel by channel).
 
-    A weight is free where it is > 0; ``free_shapes`` (k,) says which shapes are. With ``color`` (n, channels) the model
-    is one brightness of weights (m, 1) times known colors.
+    ``free`` says which of them take part. A weight at its bound 0 may: the others' errors then allow for a true value
+    off the bound. With ``color`` (n, channels) the model is one brightness of weights (m, 1) times known colors.
     """
     factor = jnp.ones((1, 1)) if color is None else jnp.asarray(color)
     r, in_shapes, in_weights = (np.asarray(a) for a in _jacobians(problem, shapes, weights, factor))
@@ -87,7 +87,6 @@ def parameter_covariance(
     for channel in range(channels):
         start = k + (channel * m if columns > 1 else 0)
         jacobian[:, channel, start : start + m] = in_weights[:, channel]
-    free = np.concatenate([free_shapes, np.asarray(weights).T.ravel() > 0])
     used = np.asarray(problem.root_weight).max(axis=1) > 0
     return covariance(r[used], jacobian[used], free, knows_noise=problem.residual.knows_noise)
 
