@@ -192,7 +192,7 @@ def schema() -> dict[str, Any]:
     text = resources.files("axffit.report").joinpath("schemas/page.schema.json").read_text(encoding="utf-8")
     page = json.loads(text)
     parts = {"verdict": verdict(), "fit": fit(), "comparison": comparison()}
-    page["$defs"] |= {name: part | {"$id": f"urn:axffit:{name}"} for name, part in parts.items()}
+    page["$defs"] |= {f"result_{name}": part | {"$id": f"urn:axffit:{name}"} for name, part in parts.items()}
     return page
 
 

@@ -53,6 +53,7 @@ def verify_view(content: Mapping[str, Any]) -> dict[str, Any]:
         "reflectance": [_reflectance(row) for row in result["brdf"]["rows"]],
         "reflectance_note": _reflectance_note(result["brdf"]),
         "lut": None if result["lut"] is None else _lut(result["lut"]),
+        "reasons": _reasons(result),
         "flags": result["flags"],
         "values": [(name, _value(value)) for name, value in result["values"].items()],
         "notes": result["notes"],
@@ -60,6 +61,13 @@ def verify_view(content: Mapping[str, Any]) -> dict[str, Any]:
         "bytes": _size(sum(row["bytes"] for row in result["textures"])),
         "spheres": None if content["spheres"] is None else _spheres(content["spheres"]),
     }
+
+
+def _reasons(result: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Each limit that has a reason: its name in a tolerance file, and why it is what it is."""
+    checks = [measure for row in result["textures"] for measure in row["measures"]]
+    checks += (result["lut"] or {"checks": []})["checks"] + result["brdf"]["rows"]
+    return list({check["check"]: (check["check"], check["reason"]) for check in checks if check["reason"]}.values())
 
 
 def _spheres(spheres: Mapping[str, Any]) -> dict[str, str]:
@@ -133,7 +141,6 @@ def _measure(measure: Mapping[str, Any]) -> dict[str, Any]:
         "of": f"of {statistic}" if limit is not None and statistic != "max" else "",
         "judged": limit is not None,
         "within": measure["within"],
-        "reason": measure["reason"],
     }
 
 
@@ -186,7 +193,6 @@ def _reflectance(row: Mapping[str, Any]) -> dict[str, Any]:
         "tolerance": MISSING if limit is None else f"{number(100 * limit)}\u00a0%",
         "within": row["within"],
         "judged": limit is not None,
-        "reason": row["reason"],
     }
 
 
