@@ -8,6 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from axffit.brdf import AbstractBRDF
+from axffit.fitting import POLAR_LIMIT
+from axffit.fitting.metrics import within
 from axffit.frames import directions_to_half_difference
 from axffit.measured import REC709_LUMINANCE, Measurements
 
@@ -62,15 +64,15 @@ def incidence_plane(measured: AbstractBRDF, model: AbstractBRDF) -> list[dict[st
     return curves
 
 
-def failure_map(measurements: Measurements, model: AbstractBRDF) -> dict[str, Any]:
+def failure_map(measurements: Measurements, model: AbstractBRDF, *, polar_limit: float = POLAR_LIMIT) -> dict[str, Any]:
     """Where the model is too bright or too dark: log2(model / data) over cells of half and difference angle.
 
     Each cell has the weighted mean over its samples; cells are even in sqrt(theta_h), as the lobes need, and in
     theta_d. Luminances of f cos, data and model, below 10⁻³ of the data's peak count as that. A cell without samples
-    is None.
+    is None; samples with a polar angle above ``polar_limit`` (radians) are left out, as fits leave them out.
     """
     cosine = measurements.wi[:, 2]
-    used = measurements.valid
+    used = within(measurements, polar_limit)
     data = luminance(_three_channels(measurements.values[used])) * cosine[used]
     modeled = luminance(_values(model, measurements.wi[used], measurements.wo[used])) * cosine[used]
     least = LEAST_SHARE * max(float(data.max()), 1e-30)

@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator
 
 from axffit.report.numbers import number
@@ -115,6 +116,10 @@ def lobes_log(curves: list[dict[str, Any]], *, label: str) -> str:
         return to_svg(figure, label=label)
 
 
+LONGEST = 3.0
+"""The polar plot shows lobes up to this many times the middle one."""
+
+
 def lobes_polar(curves: list[dict[str, Any]], *, label: str) -> str:
     """The same lobes as a half circle; the radius is the cube root of f, so that diffuse part and peak both show.
 
@@ -123,17 +128,25 @@ def lobes_polar(curves: list[dict[str, Any]], *, label: str) -> str:
     with matplotlib.rc_context(_STYLE):
         figure = _figure(5.4, 3.2)
         axes = figure.add_subplot()
-        top = float(np.cbrt(max(max(curve["measured"] + curve["modeled"]) for curve in curves)))
+        peaks = sorted(max(curve["measured"] + curve["modeled"]) for curve in curves)
+        # Lobes at grazing incidence may be ten times as long as the others: they are cut at the outer circle.
+        shown = min(peaks[-1], LONGEST * peaks[len(peaks) // 2])
+        top = float(np.cbrt(shown))
         _polar_grid(axes, top)
+        outline = Circle((0.0, 0.0), top, transform=axes.transData)
         for color, curve in zip(SERIES, curves, strict=False):
             view, incidence = np.array(curve["view_degrees"]), curve["incidence_degrees"]
             measured, modeled = (np.cbrt(np.maximum(curve[name], 0.0)) for name in ("measured", "modeled"))
             dots = _shown_angles(view, incidence)
-            axes.plot(*_point(view, modeled), color=color, linewidth=1.4)
+            (line,) = axes.plot(*_point(view, modeled), color=color, linewidth=1.4)
+            line.set_clip_path(outline)
+            dots &= measured <= top
             x, y = _point(view[dots], measured[dots])
             axes.plot(x, y, "o", color=color, markersize=3.0, markerfacecolor="none", mew=0.9)
             end, start = (_point(-incidence, r * top) for r in (1.02, 1.13))
             axes.annotate("", end, start, arrowprops={"arrowstyle": "-|>", "color": color, "lw": 1.2, "shrinkA": 0})
+        axes.set_xlim(-1.18 * top, 1.18 * top)
+        axes.set_ylim(-0.24 * top, 1.18 * top)
         axes.set_aspect("equal")
         axes.set_axis_off()
         return to_svg(figure, label=label)

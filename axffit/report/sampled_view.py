@@ -19,7 +19,7 @@ STATUSES = {
     "identified": ("good", "identified", "the samples determine it"),
     "conditional": ("plain", "conditional", "holds for the given color table, or for another parameter at its bound"),
     "at bound": ("warn", "at bound", "ends at the edge of its range, so an interval would mean nothing"),
-    "not identified": ("bad", "not identified", "the samples do not determine it, so it has no interval"),
+    "not identified": ("warn", "not identified", "the samples do not determine it, so it has no interval"),
 }
 
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -96,7 +96,8 @@ def _metric(name: str, value: float | None, label: str, what: str) -> dict[str, 
 
 
 def _counts(metrics: Mapping[str, Any], samples: Mapping[str, Any]) -> str:
-    text = f"{count(metrics['sample_count'])} of {count(samples['count'])} samples, both polar angles at most 80°"
+    text = f"{count(metrics['sample_count'])} of {count(samples['count'])} samples, "
+    text += f"both polar angles at most {number(samples['polar_limit_degrees'])}°"
     negatives = metrics["clipped_negatives"]
     return text + (f"; {count(negatives)} negative values counted as 0" if negatives else "")
 

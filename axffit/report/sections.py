@@ -3,6 +3,7 @@
 The content is complete without the pictures: everything that a plot shows is in it as numbers.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -95,7 +96,9 @@ class FittedSamples:
 
     def section(self, *, sphere_size: int = SPHERE_SIZE) -> Section:
         """Content and pictures of the fit."""
-        return _sampled("fit", self.result.to_json(), self.result.model, self.measurements, self.measured, sphere_size)
+        result = self.result.to_json()
+        limit = result["samples"].get("polar_limit_degrees", 90.0)
+        return _sampled("fit", result, self.result.model, self.measurements, self.measured, sphere_size, limit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,9 +121,9 @@ class ComparedSamples:
 
     def section(self, *, sphere_size: int = SPHERE_SIZE) -> Section:
         """Content and pictures of the comparison."""
-        section = _sampled(
-            "compare", self.comparison.to_json(), self.model, self.measurements, self.measured, sphere_size
-        )
+        result = self.comparison.to_json()
+        limit = result["polar_limit_degrees"]
+        section = _sampled("compare", result, self.model, self.measurements, self.measured, sphere_size, limit)
         return replace(section, content={**section.content, "title": self.title or section.content["title"]})
 
 
@@ -131,6 +134,7 @@ def _sampled(
     measurements: Measurements,
     measured: AbstractBRDF | None,
     sphere_size: int,
+    polar_limit_degrees: float,
 ) -> Section:
     """What fits and comparisons share: lobes, where the model fails, spheres. Without a model only words remain."""
     title = measurements.name or "samples"
@@ -138,7 +142,7 @@ def _sampled(
     spheres = False
     shown: dict[str, str] = {}
     if model is not None:
-        failure = curves.failure_map(measurements, model)
+        failure = curves.failure_map(measurements, model, polar_limit=math.radians(polar_limit_degrees))
         shown["plot failure"] = plots.failure_heat_map(failure, label=f"{title}: model over measurement, by angle")
     if model is not None and measured is not None:
         lobes = curves.incidence_plane(measured, model)
@@ -154,7 +158,7 @@ def _sampled(
         "kind": kind,
         "title": title,
         "result": result,
-        "samples": _describe(measurements),
+        "samples": _describe(measurements) | {"polar_limit_degrees": polar_limit_degrees},
         "incidence_plane": lobes,
         "spheres": spheres,
         "failure_map": failure,
