@@ -1,5 +1,8 @@
 """What light does at an AxF material: differentiable reflectance models that know no file and no engine."""
 
+from axffit.brdf.albedo import albedo as albedo
+from axffit.brdf.albedo import mean_albedo as mean_albedo
+from axffit.brdf.albedo import sobol_points as sobol_points
 from axffit.brdf.base import AbstractBRDF as AbstractBRDF
 from axffit.brdf.base import Framed as Framed
 from axffit.brdf.base import Sum as Sum

@@ -84,9 +84,14 @@ class CarPaint(AbstractBRDF):
         return 4.0 * self.coefficients * fresnel / (1.0 + self.spreads * self.spreads)
 
     def _shares(self, wo: Direction) -> Float[Array, " terms"]:
-        """Shares of the lobes and, last, of the cosine that covers the diffuse part and the flakes."""
+        """Shares of the lobes and, last, of the cosine: diffuse part, flakes, and what is broader than a cosine.
+
+        The slopes of a broad lobe lie almost all at the horizon, where masking leaves nothing of it.
+        """
         lobes = self._lobe_weights(wo)
-        return shares(jnp.concatenate([lobes, (self.diffuse + 0.1 * jnp.sum(lobes))[None]]))
+        broad = self.spreads * self.spreads / (1.0 + self.spreads * self.spreads)
+        cosine = self.diffuse + jnp.sum((0.1 + broad) * lobes)
+        return shares(jnp.concatenate([(1.0 - broad) * lobes, cosine[None]]))
 
     def draw(self, wo: Direction, u: Uniforms) -> Direction:
         """A draw of one lobe, mirrored about a facet of Gaussian slopes, or of the cosine."""
