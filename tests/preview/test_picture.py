@@ -8,7 +8,9 @@ from PIL import Image
 
 from axffit.preview.picture import (
     difference_to_display,
+    display_steps,
     encode_srgb,
+    indexed_png_bytes,
     inverse_tone_curve,
     png_bytes,
     to_display,
@@ -63,3 +65,21 @@ def test_png_is_read_back_by_pillow():
 def test_png_refuses_other_pictures(picture):
     with pytest.raises(ValueError, match="uint8 pictures of shape"):
         png_bytes(picture)
+
+
+def test_indexed_png_is_read_back_by_pillow():
+    rng = np.random.default_rng(8)
+    palette = rng.integers(0, 256, (256, 3)).astype(np.uint8)
+    indices = rng.integers(0, 256, (9, 14)).astype(np.uint8)
+    with Image.open(io.BytesIO(indexed_png_bytes(indices, palette))) as image:
+        np.testing.assert_array_equal(np.asarray(image.convert("RGB")), palette[indices])
+    with pytest.raises(ValueError, match="make no indexed PNG"):
+        indexed_png_bytes(indices, palette[:4])
+
+
+def test_display_steps_count_8_bit_steps():
+    a = np.full((1, 2, 3), 0.2)
+    b = a.copy()
+    b[0, 1, 2] = 0.21
+    expected = 255 * (encode_srgb(np.array(0.21)) - encode_srgb(np.array(0.2)))
+    np.testing.assert_allclose(display_steps(a, b), [[0.0, expected]], rtol=1e-12)

@@ -131,3 +131,29 @@ def test_same_input_same_pixels_and_caller_precision_does_not_matter():
     np.testing.assert_array_equal(single, first)
     assert first.dtype == np.float32
     assert np.isfinite(first).all()
+
+
+def test_minified_maps_average_parameters_and_keep_axes_modulo_pi():
+    from axffit.preview.texels import map_shape, minified
+
+    def model(color, rotation):
+        return Framed(Lambert(color), (0.0, 0.0, 1.0), rotation)
+
+    colors = jnp.asarray(np.random.default_rng(5).uniform(0, 1, (4, 6, 3)))
+    rotations = jnp.full((4, 6), jnp.deg2rad(89.0)).at[:, ::2].set(jnp.deg2rad(-89.0))
+    small = minified(eqx.filter_vmap(eqx.filter_vmap(model))(colors, rotations), 2)
+    assert map_shape(small) == (2, 3)
+    assert isinstance(small, Framed)
+    assert isinstance(small.base, Lambert)
+    expected = np.asarray(colors).reshape(2, 2, 3, 2, 3).mean(axis=(1, 3))
+    np.testing.assert_allclose(small.base.color, expected, rtol=1e-12)
+    np.testing.assert_allclose(np.abs(np.degrees(small.rotation)), 90.0, atol=1e-9)
+
+
+def test_a_fine_checkerboard_is_seen_as_its_mean():
+    """Texels far smaller than a pixel: a lookup without averaging would show bright and dark pixels."""
+    dark = np.indices((256, 256)).sum(axis=0) % 2 == 0
+    board = jnp.asarray(np.repeat(np.where(dark, 0.2, 0.8)[..., None], 3, axis=-1))
+    brdf_map = eqx.filter_vmap(eqx.filter_vmap(Lambert))(board)
+    seen = interior(render_sphere(brdf_map, Uniform(), size=24, textured=True, samples=FEW))
+    np.testing.assert_allclose(seen, 0.5, rtol=0.03)
