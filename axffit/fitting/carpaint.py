@@ -23,14 +23,13 @@ from axffit.fitting.metrics import Metrics, evaluate_samples, metrics_of
 from axffit.fitting.models import CarPaintModel, Shapes
 from axffit.fitting.residuals import AbstractResidual
 from axffit.fitting.result import Outcome, ParameterEstimate, Stage
-from axffit.fitting.separable import SeparableProblem, Solution, Weights, best_weights, make_problem, solve
-from axffit.fitting.starts import scan
+from axffit.fitting.separable import SeparableProblem, Solution, Weights, best_weights, make_problem
+from axffit.fitting.starts import minimize
 from axffit.fitting.table import TableDesign
 from axffit.frames import directions_to_half_difference, refract
 from axffit.measured import REC709_LUMINANCE, Measurements
 
 Progress = Callable[[str, float], None]
-_STARTS = 2
 
 
 class Lobes(NamedTuple):
@@ -81,15 +80,7 @@ def fit_lobes(
     """Stage 1: b on luminance, with chi's luminance 1 everywhere; lobes in canonical order."""
     gray = luminance(measurements)
     problem = make_problem(model, residual, gray, residual.prepare(gray))
-    if progress is not None:
-        progress("scan for starts", 0.0)
-    starts = scan(problem, count=_STARTS)
-    solutions = []
-    for number, start in enumerate(starts):
-        if progress is not None:
-            progress("lobes", number / len(starts))
-        solutions.append(solve(problem, start, max_steps=max_steps))
-    best = min(solutions, key=lambda s: float(s.cost) if np.isfinite(s.cost) else np.inf)
+    best = minimize(problem, max_steps=max_steps, progress=progress)
     lobes = canonical(Lobes(best.shapes, best.weights))
     return problem, best._replace(shapes=lobes.shapes, weights=lobes.weights)
 

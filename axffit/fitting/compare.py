@@ -21,6 +21,7 @@ from axffit.hemisphere import Reflector
 from axffit.measured import Measurements, RGBChannels
 
 SCHEMA_VERSION = 1
+_ROUNDING = 1e-12
 THETA_H_EDGES = (0.0, 2.0, 5.0, 15.0, 30.0, 60.0, 90.0)
 POLAR_EDGES = (0.0, 30.0, 60.0, 90.0)
 _NAMES = (
@@ -163,8 +164,8 @@ def _share(square: np.ndarray, inside: np.ndarray) -> float:
 def _sentence(metrics: Metrics, limits: tuple[Limit, ...], regions: tuple[Region, ...]) -> str:
     """Where the model fails and in which way, in plain words."""
     worst = max(regions, key=lambda region: region.log_share)
-    if metrics.log == 0:
-        return "The model reproduces every sample exactly."
+    if metrics.log < _ROUNDING:
+        return "The model reproduces every sample to rounding."
     text = (
         f"{worst.log_share:.0%} of the squared log error comes from {worst.share:.1%} of the solid angle: {worst.name} "
         f"(theta_h {worst.theta_h[0]:g} to {worst.theta_h[1]:g} degrees, the more grazing direction at "

@@ -101,7 +101,9 @@ def _car_paint(
     free = np.concatenate([free_spreads, [True], np.repeat(on, 2)])
     covariance = parameter_covariance(problem, shapes, weights, free, color=color)
     make = _Estimator(covariance, conditional=color is not None)
-    found = [make.estimate("diffuse", values[0], make.unit(count), at_bound=values[0] == 0)]
+    diffuse = float(values[0])
+    found = [make.estimate("diffuse", diffuse, make.unit(count), at_bound=diffuse == 0)]
+    p, q, spreads = p.tolist(), q.tolist(), spreads.tolist()
     for k in range(count):
         s, lit = p[k] + q[k], bool(on[k])
         in_p, in_q = make.unit(count + 1 + 2 * k), make.unit(count + 2 + 2 * k)
@@ -130,6 +132,7 @@ def _colored(
     """Diffuse and specular colors, roughness, F0, and the product of color and F0 where F0 is fitted."""
     values = np.asarray(weights)
     m, channels = values.shape
+    terms = values.tolist()
     low, high = ROUGHNESS_BOUNDS
     lobe = model.lobe_count > 0
     on = lobe and bool(np.any(values[1] > 0))
@@ -149,16 +152,16 @@ def _colored(
     vague = False
     if f0 is not None and on:
         brightest = int(np.argmax(values[1]))
-        s, in_s = values[1, brightest], make.unit(first + brightest * m + 1)
+        s, in_s = terms[1][brightest], make.unit(first + brightest * m + 1)
         in_p, in_q = f0 * in_s + s * in_f0, (1.0 - f0) * in_s - s * in_f0
         vague = make.split_undetermined(s * f0, s * (1.0 - f0), in_p, in_q)
     found = []
     for c in range(channels):
-        diffuse = values[0, c]
+        diffuse = terms[0][c]
         name = _channel_name("diffuse", c, channels)
         found.append(make.estimate(name, diffuse, make.unit(first + c * m), at_bound=diffuse == 0))
     for c in range(channels if lobe else 0):
-        s, in_s = values[1, c], make.unit(first + c * m + 1)
+        s, in_s = terms[1][c], make.unit(first + c * m + 1)
         name = _channel_name("specular", c, channels)
         found.append(make.estimate(name, s, in_s, at_bound=s == 0, undetermined=vague))
     if lobe:
@@ -166,7 +169,7 @@ def _colored(
     if f0 is not None:
         found.append(make.estimate("f0", f0, in_f0, high=1.0, at_bound=on and f0_on_edge, undetermined=vague or not on))
         for c in range(channels):
-            s, in_s = values[1, c], make.unit(first + c * m + 1)
+            s, in_s = terms[1][c], make.unit(first + c * m + 1)
             name = _channel_name("specular x f0", c, channels)
             product = s * f0
             found.append(make.estimate(name, product, f0 * in_s + s * in_f0, at_bound=product == 0))

@@ -16,14 +16,13 @@ from axffit.fitting.metrics import POLAR_LIMIT, evaluate_samples, metrics_of, wi
 from axffit.fitting.models import AbstractFitModel, CarPaintModel, Shapes, parse_model
 from axffit.fitting.residuals import AbstractResidual, LogCosine, NoiseWeighted
 from axffit.fitting.result import FitResult, Outcome
-from axffit.fitting.separable import SeparableProblem, Solution, cost_at, make_problem, solve
-from axffit.fitting.starts import scan
+from axffit.fitting.separable import SeparableProblem, Solution, cost_at, make_problem
+from axffit.fitting.starts import minimize
 from axffit.fitting.uncertainty import NOISE_KIND, SANDWICH_KIND
 from axffit.measured import Measurements, RGBChannels
 
 Progress = Callable[[str, float], None]
 
-_STARTS = 4
 _F0_EDGE = 1e-3
 
 
@@ -141,16 +140,7 @@ def _fit_colored(
 ) -> dict[str, Any]:
     """Fit of a model with a color a term: scan, polish of the best starts, F0 tried on its bounds."""
     problem = make_problem(model, residual, used, residual.prepare(used))
-    if progress is not None:
-        progress("scan for starts", 0.0)
-    starts = scan(problem, count=_STARTS)
-    solutions = []
-    for number, start in enumerate(starts):
-        if progress is not None:
-            progress("lobes", number / len(starts))
-        solutions.append(solve(problem, start, max_steps=max_steps))
-    best = min(solutions, key=_order)
-    best = _on_f0_bound(problem, best)
+    best = _on_f0_bound(problem, minimize(problem, max_steps=max_steps, progress=progress))
     outcome = Outcome.CONVERGED if bool(best.converged) else Outcome.STEP_LIMIT
     if not math.isfinite(float(best.cost)):
         outcome = Outcome.NOT_FINITE
@@ -159,11 +149,6 @@ def _fit_colored(
         "outcome": outcome,
         "parameters": estimates(problem, best.shapes, best.weights),
     }
-
-
-def _order(solution: Solution) -> float:
-    cost = float(solution.cost)
-    return cost if math.isfinite(cost) else math.inf
 
 
 def _on_f0_bound(problem: SeparableProblem, solution: Solution) -> Solution:

@@ -1,9 +1,10 @@
-"""Starts for the solver by a scan: no random numbers, no user's guess.
+"""Starts for the solver by a scan, and the way from there to the minimum: no random numbers, no user's guess.
 
 All basis functions of 14 roughnesses are evaluated once. On the problem linearized about the data every choice of K of
 them is a small non-negative least-squares problem on blocks of one Gram matrix, so all are tried (364 for K = 3).
 """
 
+from collections.abc import Callable
 from itertools import combinations
 
 import equinox as eqx
@@ -14,7 +15,11 @@ import numpy as np
 from axffit import brdf as brdfs
 from axffit.fitting.models import SCAN_ROUGHNESSES, Shapes
 from axffit.fitting.nonnegative import solve_nonnegative
-from axffit.fitting.separable import SeparableProblem
+from axffit.fitting.separable import SeparableProblem, Solution, cost_at, solve
+
+_POLISHED = 6
+_SUBSAMPLE = 8192
+_GOLDEN = 0.6180339887498949
 
 
 @eqx.filter_jit
@@ -65,3 +70,44 @@ def scan(problem: SeparableProblem, *, count: int = 3) -> list[Shapes]:
             f0 = jnp.asarray(np.clip(p / (p + q), 0.02, 0.9) if p + q > 0 else 0.5)
         starts.append(Shapes(jnp.asarray(SCAN_ROUGHNESSES[choices[best]]), f0))
     return starts
+
+
+def subsample(problem: SeparableProblem, count: int) -> SeparableProblem:
+    """The problem on ``count`` of its samples, spread evenly through their order by golden-ratio steps."""
+    real = np.flatnonzero(np.asarray(problem.root_weight).max(axis=1) > 0)
+    order = np.argsort(np.mod(np.arange(len(real)) * _GOLDEN, 1.0), kind="stable")
+    chosen = jnp.asarray(np.sort(real[order[:count]]))
+
+    def samples(p: SeparableProblem):
+        return (p.wi, p.wo, p.target, p.factor, p.root_weight)
+
+    return eqx.tree_at(samples, problem, tuple(array[chosen] for array in samples(problem)))
+
+
+def minimize(
+    problem: SeparableProblem, *, max_steps: int, progress: Callable[[str, float], None] | None = None
+) -> Solution:
+    """The best solution from the scan's starts.
+
+    With many samples the starts are polished on 8192 of them, compared on all, and the best one is finished on all.
+    """
+    if progress is not None:
+        progress("scan for starts", 0.0)
+    starts = scan(problem, count=_POLISHED)
+    small = problem if len(problem.wi) <= 2 * _SUBSAMPLE else subsample(problem, _SUBSAMPLE)
+    found = []
+    for number, start in enumerate(starts):
+        if progress is not None:
+            progress("lobes", number / (len(starts) + 1))
+        found.append(solve(small, start, max_steps=max_steps))
+    if small is problem:
+        return min(found, key=lambda solution: _finite(solution.cost))
+    if progress is not None:
+        progress("lobes", len(starts) / (len(starts) + 1))
+    best = min(found, key=lambda solution: _finite(cost_at(problem, solution.shapes)[0]))
+    return solve(problem, best.shapes, max_steps=max_steps)
+
+
+def _finite(cost: jax.Array) -> float:
+    value = float(cost)
+    return value if np.isfinite(value) else np.inf

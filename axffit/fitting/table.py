@@ -22,6 +22,14 @@ def _axis(theta: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
     return lower, position - lower
 
 
+def _pruned(matrix: Any) -> Any:
+    """``matrix`` by rows without the columns that all samples together touch with less than 1e-6 of one."""
+    touched = matrix.T @ np.ones(matrix.shape[0]) > _MEASURED
+    pruned = scipy.sparse.csr_array(matrix @ scipy.sparse.diags_array(touched.astype(np.float64)))
+    pruned.eliminate_zeros()
+    return pruned
+
+
 @dataclass(frozen=True, eq=False)
 class TableDesign:
     """Where N samples look into a table of ``size`` x ``size`` texels (rows theta_d, columns theta_h).
@@ -42,13 +50,11 @@ class TableDesign:
         weights = np.stack([(1 - v) * (1 - u), (1 - v) * u, v * (1 - u), v * u], axis=1)
         n = len(theta_h)
         entries = (weights.ravel(), (np.repeat(np.arange(n), 4), texels.ravel()))
-        return cls(size, scipy.sparse.csr_array(entries, shape=(n, size * size)))
+        return cls(size, _pruned(scipy.sparse.csr_array(entries, shape=(n, size * size))))
 
     def keeping(self, chosen: np.ndarray) -> "TableDesign":
         """The same design in which samples with ``chosen`` (N,) 0 touch no texel."""
-        matrix = scipy.sparse.csr_array(scipy.sparse.diags_array(chosen) @ self.matrix)
-        matrix.eliminate_zeros()
-        return TableDesign(self.size, matrix)
+        return TableDesign(self.size, _pruned(scipy.sparse.diags_array(chosen) @ self.matrix))
 
     @cached_property
     def transposed(self) -> Any:
@@ -58,7 +64,7 @@ class TableDesign:
     @cached_property
     def measured(self) -> np.ndarray:
         """Which texels any sample touches, (size²,) bool."""
-        return self.transposed @ np.ones(self.matrix.shape[0]) > _MEASURED
+        return self.transposed @ np.ones(self.matrix.shape[0]) > 0
 
     @cached_property
     def _band_map(self) -> Any:
