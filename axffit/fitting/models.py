@@ -84,10 +84,6 @@ class AbstractFitModel(eqx.Module):
     def assemble(self, shapes: Shapes, weights: Float[Array, "m channels"]) -> AbstractBRDF:
         """The BRDF that has these shapes and weights."""
 
-    def scan_basis(self, roughness: Float[Array, ""], wi: Directions, wo: Directions) -> Float[Array, "n 2"]:
-        """Two functions (p, q) that span one lobe of this model at ``roughness`` whatever its F0."""
-        raise NotImplementedError(f"{type(self).__name__} has no lobe to scan")
-
     def covered(self, base: AbstractBRDF) -> AbstractBRDF:
         """``base`` under the model's coat, if it has one."""
         return base if self.coat is None else self.coat.over(base)
@@ -95,6 +91,14 @@ class AbstractFitModel(eqx.Module):
     def column(self, base: AbstractBRDF, wi: Directions, wo: Directions) -> Float[Array, " n"]:
         """One basis function: the first channel of ``base`` under the coat."""
         return self.covered(base).evaluate(wi, wo)[:, 0]
+
+
+class AbstractLobeModel(AbstractFitModel):
+    """A fit model with specular lobes, for which a scan can look for starts."""
+
+    @abc.abstractmethod
+    def scan_basis(self, roughness: Float[Array, ""], wi: Directions, wo: Directions) -> Float[Array, "n 2"]:
+        """Two functions (p, q) that span one lobe of this model at ``roughness`` whatever its F0."""
 
 
 def _white(dtype: jnp.dtype) -> Float[Array, "3"]:
@@ -142,7 +146,7 @@ class LambertModel(AbstractFitModel):
         return self.covered(brdfs.Lambert(weights[0]))
 
 
-class SingleLobeModel(AbstractFitModel):
+class SingleLobeModel(AbstractLobeModel):
     """Lambert plus one lobe: d and s per channel, one roughness and one F0 for all channels.
 
     ``lobe``: ``"ward"``, ``"cook-torrance"`` or ``"ggx"``; ``fresnel``: ``"schlick"``, ``"exact"`` or ``"none"``.
@@ -195,7 +199,7 @@ class SingleLobeModel(AbstractFitModel):
         return self.covered(brdfs.Sum((brdfs.Lambert(weights[0]), lobe)))
 
 
-class CarPaintModel(AbstractFitModel):
+class CarPaintModel(AbstractLobeModel):
     """The brightness b of a car paint: a diffuse term and K Cook-Torrance lobes with Schlick's Fresnel, on luminance.
 
     Basis: 1 / pi, then p_1, q_1, …, p_K, q_K. The color table is no part of this problem (``axffit.fitting.carpaint``).

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from axffit import brdf as brdfs
-from axffit.fitting.models import SCAN_ROUGHNESSES, Shapes
+from axffit.fitting.models import SCAN_ROUGHNESSES, AbstractLobeModel, Shapes
 from axffit.fitting.nonnegative import solve_nonnegative
 from axffit.fitting.separable import SeparableProblem, Solution, cost_at, solve
 
@@ -23,9 +23,9 @@ _GOLDEN = 0.6180339887498949
 
 
 @eqx.filter_jit
-def _scan(problem: SeparableProblem, roughnesses, choices):
+def _scan(problem: SeparableProblem, model: AbstractLobeModel, roughnesses, choices):
     """Linearized cost (choices,) and weights (choices, channels, m) of every choice of roughnesses."""
-    model, residual = problem.model, problem.residual
+    residual = problem.residual
     diffuse = model.column(brdfs.Lambert(jnp.ones(3)), problem.wi, problem.wo)[:, None]
     lobes = jax.lax.map(lambda a: model.scan_basis(a, problem.wi, problem.wo), roughnesses)
     columns = jnp.concatenate([diffuse, jnp.moveaxis(lobes, 0, 1).reshape(len(diffuse), -1)], axis=1)
@@ -58,10 +58,10 @@ def scan(problem: SeparableProblem, *, count: int = 3) -> list[Shapes]:
     For single lobes F0 = p / (p + q) of the channels' sums, kept off its bounds.
     """
     model = problem.model
-    if model.lobe_count == 0:
+    if not isinstance(model, AbstractLobeModel):
         return [Shapes()]
     choices = np.array(list(combinations(range(len(SCAN_ROUGHNESSES)), model.lobe_count)))
-    cost, weights = (np.asarray(x) for x in _scan(problem, jnp.asarray(SCAN_ROUGHNESSES), jnp.asarray(choices)))
+    cost, weights = (np.asarray(x) for x in _scan(problem, model, jnp.asarray(SCAN_ROUGHNESSES), jnp.asarray(choices)))
     starts = []
     for best in np.argsort(cost, kind="stable")[:count]:
         f0 = None
