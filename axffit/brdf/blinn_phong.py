@@ -4,6 +4,8 @@ AxF stores an exponent as n' with n = 2^n'; HDRP reads the same map as a roughne
 stand here as functions: they belong to the material, the lobes take the exponent itself.
 """
 
+import abc
+
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -53,68 +55,64 @@ def _power_normal(u: Uniforms, nu: Scalar, nv: Scalar) -> Direction:
     return jnp.stack([sine * x, sine * y, jnp.exp(log_cosine)])
 
 
-class BlinnPhong1977(AbstractBRDF):
-    """Blinn's lobe (SIGGRAPH 1977): density (n + 2) / (8 pi) h_z^n; AxF's ``Blinn1977`` and ``Lewis1993``.
+class AbstractBlinnPhong(AbstractBRDF):
+    """A Blinn-Phong lobe with one exponent; the variants differ in what stands before h_z^n.
+
+    Attributes:
+        specular_color: s, linear RGB (3,).
+        exponent: n >= 0, ().
+        fresnel: F at <h, o>.
+    """
+
+    specular_color: RGB = eqx.field(converter=as_parameter)
+    exponent: Scalar = eqx.field(converter=as_parameter)
+    fresnel: AbstractFresnel = NoFresnel()
+
+    @abc.abstractmethod
+    def normalization(self, half: HalfGeometry) -> Scalar:
+        """What stands before h_z^n, in 1/sr."""
+
+    def value(self, wi: Direction, wo: Direction) -> RGB:
+        """The lobe's value."""
+        half = half_geometry(wi, wo)
+        density = self.normalization(half) * jnp.exp(self.exponent * _log_cosine_h(half))
+        return lobe_value(self.specular_color, self.fresnel, half, density)
+
+    def draw(self, wo: Direction, u: Uniforms) -> Direction:
+        """Mirrored about a facet of density (n + 1) / (2 pi) h_z^n."""
+        return mirrored(wo, _power_normal(u, self.exponent, self.exponent))
+
+    def density(self, wi: Direction, wo: Direction) -> Scalar:
+        """Density of that facet's mirror direction."""
+        half = half_geometry(wi, wo)
+        return _power_density(half, self.exponent, self.exponent) / (4.0 * half.cos_d)
+
+    def weight(self, wo: Direction) -> Scalar:
+        """Mean of s F at the mirror direction."""
+        return lobe_weight(self.specular_color, self.fresnel, wo)
+
+
+class BlinnPhong1977(AbstractBlinnPhong):
+    """Blinn's lobe (SIGGRAPH 1977): s F (n + 2) / (8 pi) h_z^n; AxF's ``Blinn1977`` and ``Lewis1993``.
 
     AxF's ``Lewis1993`` is undocumented; Lewis's normalization (CGF 13(2), 1994) with the half vector,
     (n + 2) / (2 pi) · 1/4 · h_z^n, is this same function.
-
-    ``specular_color`` s (3,), linear RGB; ``exponent`` n >= 0, (); ``fresnel`` F at <h, o>.
     """
 
-    specular_color: RGB = eqx.field(converter=as_parameter)
-    exponent: Scalar = eqx.field(converter=as_parameter)
-    fresnel: AbstractFresnel = NoFresnel()
-
-    def value(self, wi: Direction, wo: Direction) -> RGB:
-        """(n + 2) / (8 pi) h_z^n."""
-        half = half_geometry(wi, wo)
-        density = (self.exponent + 2.0) / (8.0 * jnp.pi) * jnp.exp(self.exponent * _log_cosine_h(half))
-        return lobe_value(self.specular_color, self.fresnel, half, density)
-
-    def draw(self, wo: Direction, u: Uniforms) -> Direction:
-        """Mirrored about a facet of density (n + 1) / (2 pi) h_z^n."""
-        return mirrored(wo, _power_normal(u, self.exponent, self.exponent))
-
-    def density(self, wi: Direction, wo: Direction) -> Scalar:
-        """Density of that facet's mirror direction."""
-        half = half_geometry(wi, wo)
-        return _power_density(half, self.exponent, self.exponent) / (4.0 * half.cos_d)
-
-    def weight(self, wo: Direction) -> Scalar:
-        """Mean of s F at the mirror direction."""
-        return lobe_weight(self.specular_color, self.fresnel, wo)
+    def normalization(self, half: HalfGeometry) -> Scalar:
+        """(n + 2) / (8 pi)."""
+        return (self.exponent + 2.0) / (8.0 * jnp.pi)
 
 
-class BlinnPhongVRay(AbstractBRDF):
-    """The Blinn lobe of V-Ray's material as Chaos publishes it (2020): (n + 1) / (8 pi) h_z^n / <h, o>.
+class BlinnPhongVRay(AbstractBlinnPhong):
+    """The Blinn lobe of V-Ray's material as Chaos publishes it (2020): s F (n + 1) / (8 pi) h_z^n / <h, o>.
 
-    That AxF's variant ``VRay`` means this lobe is an inference from the name. Parameters as :class:`BlinnPhong1977`.
+    That AxF's variant ``VRay`` means this lobe is an inference from the name.
     """
 
-    specular_color: RGB = eqx.field(converter=as_parameter)
-    exponent: Scalar = eqx.field(converter=as_parameter)
-    fresnel: AbstractFresnel = NoFresnel()
-
-    def value(self, wi: Direction, wo: Direction) -> RGB:
-        """(n + 1) / (8 pi) h_z^n / <h, o>."""
-        half = half_geometry(wi, wo)
-        power = jnp.exp(self.exponent * _log_cosine_h(half))
-        density = (self.exponent + 1.0) / (8.0 * jnp.pi) * power / half.cos_d
-        return lobe_value(self.specular_color, self.fresnel, half, density)
-
-    def draw(self, wo: Direction, u: Uniforms) -> Direction:
-        """Mirrored about a facet of density (n + 1) / (2 pi) h_z^n."""
-        return mirrored(wo, _power_normal(u, self.exponent, self.exponent))
-
-    def density(self, wi: Direction, wo: Direction) -> Scalar:
-        """Density of that facet's mirror direction."""
-        half = half_geometry(wi, wo)
-        return _power_density(half, self.exponent, self.exponent) / (4.0 * half.cos_d)
-
-    def weight(self, wo: Direction) -> Scalar:
-        """Mean of s F at the mirror direction."""
-        return lobe_weight(self.specular_color, self.fresnel, wo)
+    def normalization(self, half: HalfGeometry) -> Scalar:
+        """(n + 1) / (8 pi <h, o>)."""
+        return (self.exponent + 1.0) / (8.0 * jnp.pi * half.cos_d)
 
 
 class BlinnPhongAshikhminShirley2000(AbstractBRDF):
