@@ -101,6 +101,9 @@ def _car_paint(
     free = np.concatenate([free_spreads, [True], np.repeat(on, 2)])
     covariance = parameter_covariance(problem, shapes, weights, free, color=color)
     make = _Estimator(covariance, conditional=color is not None)
+    # Below a refracting coat (1 - <h,o>)⁵ stays under 0.00107 and depends on theta_d alone: a free table takes up
+    # almost all that could tell F0 from the coefficient.
+    absorbed = color is not None and model.coat is not None and model.coat.refracting
     diffuse = float(values[0])
     found = [make.estimate("diffuse", diffuse, make.unit(count), at_bound=diffuse == 0)]
     p, q, spreads = p.tolist(), q.tolist(), spreads.tolist()
@@ -108,7 +111,7 @@ def _car_paint(
         s, lit = p[k] + q[k], bool(on[k])
         in_p, in_q = make.unit(count + 1 + 2 * k), make.unit(count + 2 + 2 * k)
         in_f0 = (q[k] * in_p - p[k] * in_q) / s**2 if lit else 0.0 * in_p
-        vague = lit and make.split_undetermined(p[k], q[k], in_p, in_q)
+        vague = lit and (absorbed or make.split_undetermined(p[k], q[k], in_p, in_q))
         f0_on_edge = lit and (p[k] == 0 or q[k] == 0)
         found += [
             make.estimate(f"coefficient {k + 1}", s, in_p + in_q, at_bound=not lit, undetermined=vague),

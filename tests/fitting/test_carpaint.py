@@ -131,3 +131,7 @@ def test_a_coated_paint_with_a_table_is_explained_to_noise():
     assert result.metrics is not None
     assert result.metrics.log < 5e-3
     assert result.metrics.log < 0.2 * result.stages[0].metrics.log
+    # With a free table nothing tells F0 from the coefficient below a coat that refracts.
+    for k in (1, 2, 3):
+        assert result.parameter(f"f0 {k}").standard_error is None
+        assert result.parameter(f"coefficient {k}").status in ("not identified", "at bound")
