@@ -12,6 +12,8 @@ PROJECT = Path(__file__).resolve().parents[1]
 
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 os.environ.setdefault("MPLBACKEND", "agg")
+# As the command line does (axffit.cli._environment).
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import jax  # noqa: E402  (after JAX_PLATFORMS, which JAX reads once)
 

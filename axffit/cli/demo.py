@@ -38,18 +38,21 @@ MATERIALS = ("brushed_carbon", "metallic_paint")
 
 
 class Samples(NamedTuple):
-    """Samples to fit: where they are, which of the file, and the model."""
+    """Samples to fit: where they are, which of the file, the model, and the largest polar angle (degrees)."""
 
     file: Path
     material: str | None
     model: str
+    polar_limit: float = fit.POLAR_LIMIT_DEGREES
 
 
 PAINT = Samples(Path("noisy_car_paint") / "noisy_car_paint.mbsdf", None, "carpaint+coat")
+# Further out these tables' peaks leave the mirror direction: a limit of the instrument's range.
+_RELIABLE_DEGREES = 64.9
 REFERENCES = (
     # The table is the base under a coat that does not refract and is not part of it (the publisher's own account).
-    Samples(Path("mbsdf_carpaint_nvidia") / "carpaint_red.mbsdf", None, "carpaint"),
-    Samples(Path("mbsdf_carpaint_nvidia") / "carpaint_blue.mbsdf", None, "carpaint"),
+    Samples(Path("mbsdf_carpaint_nvidia") / "carpaint_red.mbsdf", None, "carpaint", _RELIABLE_DEGREES),
+    Samples(Path("mbsdf_carpaint_nvidia") / "carpaint_blue.mbsdf", None, "carpaint", _RELIABLE_DEGREES),
     Samples(Path("nbrdf_measured") / "rgl_isotropic_nbrdf_weights.npz", "cc_ibiza_sunset_rgb", "carpaint+coat"),
 )
 """Real car paints, below the folder of reference data."""
@@ -110,7 +113,13 @@ def run(folder: Path, *, size: int = 512, quick: bool = False, progress: Progres
     references = [] if quick else reference_samples()
     for samples in [PAINT._replace(file=materials / PAINT.file), *references]:
         stages = _prefixed(say, samples.material or samples.file.stem)
-        found = fit.run(samples.file, model=samples.model, material=samples.material, progress=stages)
+        found = fit.run(
+            samples.file,
+            model=samples.model,
+            material=samples.material,
+            polar_limit=samples.polar_limit,
+            progress=stages,
+        )
         fitted.append(report.FittedSamples(*found))
     say("drawing the page", 0.0)
     made_by = report.Run(f"axffit demo --size {size}" + (" --quick" if quick else ""), seed=None)

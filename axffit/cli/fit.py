@@ -1,5 +1,6 @@
 """``axffit fit``: the parameters of a model that explain a sampled BRDF, and how sure they are."""
 
+import math
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
@@ -38,6 +39,10 @@ Examples
 """
 
 
+POLAR_LIMIT_DEGREES = 80.0
+"""Samples nearer to the horizon are left out: the metrics of a fit are defined so."""
+
+
 class Fitted(NamedTuple):
     """A fit, the samples it was made to, and those samples as a BRDF that can be evaluated anywhere."""
 
@@ -53,6 +58,7 @@ def run(
     material: str | None = None,
     residual: str | None = None,
     lobes: int = 3,
+    polar_limit: float = POLAR_LIMIT_DEGREES,
     progress: ProgressCallback | None = None,
 ) -> Fitted:
     """Fits a model to samples.
@@ -63,6 +69,7 @@ def run(
         material: which of the samples; needed where the file holds several.
         residual: a name of `axffit.fitting.RESIDUALS`; None is noise where the samples state theirs, else log.
         lobes: number of lobes of a car paint, 1 to 4.
+        polar_limit: samples with a larger polar angle (degrees) of either direction are left out.
         progress: called with what is being done and how much of it is (0 to 1).
 
     Raises:
@@ -70,12 +77,14 @@ def run(
     """
     from axffit import fitting, measured
 
+    if not 0 < polar_limit <= 90:
+        raise InputError(f"polar limit of {polar_limit:g} degrees: give an angle above 0 and at most 90")
     fit_model = fitting.parse_model(model, lobes=lobes)
     if residual is not None and residual not in fitting.RESIDUALS:
         raise InputError(f"unknown residual {residual!r}: choose one of {', '.join(fitting.RESIDUALS)}")
     chosen = None if residual is None else fitting.RESIDUALS[residual]()
     samples = measured.read(samples_file, material)
-    result = fitting.fit(fit_model, samples, residual=chosen, progress=progress)
+    result = fitting.fit(fit_model, samples, residual=chosen, polar_limit=math.radians(polar_limit), progress=progress)
     return Fitted(result, samples, measured.interpolant(samples_file, material))
 
 
@@ -136,6 +145,10 @@ def command(
         ),
     ] = None,
     lobes: Annotated[int, typer.Option(metavar="N", help="Lobes of a car paint, 1 to 4.")] = 3,
+    polar_limit: Annotated[
+        float,
+        typer.Option(metavar="DEGREES", help="Leave out samples with a larger polar angle of light or viewer."),
+    ] = POLAR_LIMIT_DEGREES,
     json: _options.Json = None,
     html: _options.Html = None,
     out: Annotated[Path | None, typer.Option(metavar="FITTED.axf", help="Write the fitted car paint as AxF.")] = None,
@@ -145,7 +158,15 @@ def command(
     if out is not None and not model.startswith("carpaint"):
         raise InputError(f"--out writes car paints only, and the model is {model!r}: leave --out out, or fit carpaint")
     with progress_on_stderr() as progress:
-        fitted = run(samples_file, model=model, material=material, residual=residual, lobes=lobes, progress=progress)
+        fitted = run(
+            samples_file,
+            model=model,
+            material=material,
+            residual=residual,
+            lobes=lobes,
+            polar_limit=polar_limit,
+            progress=progress,
+        )
         content = fitted.result.to_json()
         results: Results = {}
         if json is not None:
@@ -155,6 +176,7 @@ def command(
 
             progress("drawing the page", 0.0)
             options = {"model": model, "material": material, "residual": residual, "lobes": lobes}
+            options["polar-limit"] = polar_limit
             made_by = report.Run(_options.command_line("fit", [samples_file], options))
             results[html] = report.fit_page([report.FittedSamples(*fitted)], made_by).html
         if out is not None and fitted.result.model is not None:
