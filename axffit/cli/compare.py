@@ -34,15 +34,12 @@ Example
 
 
 class Compared(NamedTuple):
-    """A comparison, the model, the samples, and those samples as a BRDF that can be evaluated anywhere.
-
-    Without the last there are no curves and spheres; a mean over many texels would take hours to render.
-    """
+    """A comparison, the model, the samples, and those samples as a BRDF that can be evaluated anywhere."""
 
     comparison: "Comparison"
     model: "AbstractBRDF"
     measurements: "Measurements"
-    measured: "AbstractBRDF | None"
+    measured: "AbstractBRDF"
     title: str
 
 
@@ -77,9 +74,7 @@ def run(
     report("evaluating the model", 0.0)
     comparison = fitting.compare(model, samples)
     title = f"{chosen.name or chosen.id} against {samples.name or samples_file.name}"
-    textured = chosen.kind is axf.MaterialKind.SVBRDF
-    anywhere = None if textured else measured.interpolant(samples_file, sample_name)
-    return Compared(comparison, model, samples, anywhere, title)
+    return Compared(comparison, model, samples, measured.interpolant(samples_file, sample_name), title)
 
 
 def command(

@@ -132,6 +132,7 @@ CASES = {
     "unknown model": Case(lambda _: SAMPLES, ("fit", "{}", "--model", "ggxx"), ("'ggxx'", "carpaint", "ggx")),
     "unknown residual": Case(lambda _: SAMPLES, (*FIT, "--residual", "sine"), ("'sine'", "log", "cosine")),
     "nine lobes": Case(lambda _: SAMPLES, (*FIT, "--lobes", "9"), ("9 lobes", "1 to 4")),
+    "polar limit of 0": Case(lambda _: SAMPLES, (*FIT, "--polar-limit", "0"), ("0 degrees", "at most 90")),
     "compare a text": Case(text_called_axf, ("compare", "{}", str(SAMPLES)), ("text.axf", "HDF5")),
     "compare with a text": Case(text_called_axf, ("compare", str(PAINT), "{}"), ("text.axf", "sample format")),
 }

@@ -1,0 +1,19 @@
+"""Pages with small pictures: drawing them well is tested beside the report."""
+
+import pytest
+
+from axffit.report import pictures
+
+SPHERE_SIZE = 24
+
+
+@pytest.fixture(autouse=True)
+def small_spheres(monkeypatch):
+    """Spheres of few pixels, whoever asks for them."""
+    spheres, material_spheres = pictures.spheres, pictures.material_spheres
+    monkeypatch.setattr(pictures, "spheres", lambda brdf, *, size: spheres(brdf, size=min(size, SPHERE_SIZE)))
+    monkeypatch.setattr(
+        pictures,
+        "material_spheres",
+        lambda before, after, *, size: material_spheres(before, after, size=min(size, SPHERE_SIZE)),
+    )
