@@ -105,7 +105,9 @@ def _place(bad: np.ndarray, values: np.ndarray) -> str:
     first = tuple(int(index) for index in np.argwhere(bad)[0])
     count = int(np.count_nonzero(bad))
     noun = "value" if count == 1 else "values"
-    return f"{count} {noun} (first at {list(first)}: {values[first]})"
+    # As a list: how numpy prints arrays depends on options that other packages set.
+    value = values[first].tolist() if np.ndim(values[first]) else values[first]
+    return f"{count} {noun} (first at {list(first)}: {value})"
 
 
 def _property_problems(material: AxfMaterial) -> Iterator[str]:

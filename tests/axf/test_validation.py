@@ -106,7 +106,7 @@ def test_phong_lobes_hold_exponents():
 def test_a_normal_needs_a_direction():
     problem = first_problem(with_texture("normal", changed("normal", (1, 1), 0.0)))
     assert problem is not None
-    assert "1 value (first at [1, 1]: [0. 0. 0.]) in normal of length 0" in problem
+    assert "1 value (first at [1, 1]: [0.0, 0.0, 0.0]) in normal of length 0" in problem
 
 
 @pytest.mark.parametrize(
