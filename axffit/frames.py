@@ -118,10 +118,9 @@ def reflect(v: Directions, normal: Directions) -> Directions:
 def refract(v: Directions, normal: Directions, ior: Angles) -> Directions:
     """Direction inside a medium of index ``ior``, pointing away from the surface on ``v``'s own side.
 
-    Snell: the part of ``v`` along the surface shrinks to t / n, and the cosine with ``normal`` becomes
-    sqrt(1 - |t|² / n²). Where ``ior`` < 1 reflects totally the cosine is 0.
+    Snell: the part of ``v`` along the surface shrinks to t / n, and the cosine c with ``normal`` becomes
+    sqrt(n² - 1 + c²) / n, which at n = 1 is c to the last digit. Where ``ior`` < 1 reflects totally the cosine is 0.
     """
-    cosine = dot(v, normal)[..., None]
-    tangential = (v - cosine * normal) / ior[..., None]
-    cosine_inside = safe_sqrt(1.0 - jnp.sum(tangential * tangential, axis=-1, keepdims=True))
-    return tangential + cosine_inside * normal
+    cosine, ior = dot(v, normal)[..., None], ior[..., None]
+    cosine_inside = safe_sqrt((ior - 1.0) * (ior + 1.0) + cosine * cosine) / ior
+    return (v - cosine * normal) / ior + cosine_inside * normal

@@ -92,6 +92,15 @@ def power5(x: Float[Array, "..."]) -> Float[Array, "..."]:
     return square * square * x
 
 
+def times_exp(factor: Float[Array, "..."], exponent: Float[Array, "..."]) -> Float[Array, "..."]:
+    """``factor · exp(exponent)`` for exponent <= 0, factor >= 0 of equal shapes.
+
+    The power is multiplied in by halves: by itself it may be too small for a float where the product is not.
+    """
+    root = jnp.exp(0.5 * exponent)
+    return (root * factor) * root
+
+
 def log_cosine_over_sine_square(tan2: Float[Array, "..."]) -> Float[Array, "..."]:
     """``log(cos) / sin²`` of an angle by its squared tangent: -½ log1p(tan²) (1 + tan²) / tan².
 

@@ -16,7 +16,7 @@ from axffit.brdf.fresnel import AbstractFresnel, NoFresnel
 from axffit.brdf.geometry import HalfGeometry, half_geometry
 from axffit.brdf.lobe import PerAxis, alpha_xy, lobe_value, lobe_weight
 from axffit.brdf.sampling import Uniforms, mirrored
-from axffit.numerics import log_cosine_over_sine_square, safe_sqrt
+from axffit.numerics import log_cosine_over_sine_square, safe_sqrt, times_exp
 
 
 def exponent_from_axf(stored: Float[Array, "..."]) -> Float[Array, "..."]:
@@ -35,13 +35,13 @@ def _log_cosine_h(half: HalfGeometry) -> Scalar:
     return -0.5 * jnp.log1p(x * x + y * y)
 
 
-def _power_density(half: HalfGeometry, nu: Scalar, nv: Scalar) -> Scalar:
-    """Density of facets, sqrt((nu + 1)(nv + 1)) / (2 pi) h_z^((nu h_x² + nv h_y²) / (1 - h_z²)), per sr of h."""
+def _power_density(half: HalfGeometry, nu: Scalar, nv: Scalar, scale: Scalar) -> Scalar:
+    """Density of facets, sqrt((nu + 1)(nv + 1)) / (2 pi) h_z^((nu h_x² + nv h_y²) / (1 - h_z²)), times ``scale``."""
     x2, y2 = half.x * half.x / half.square, half.y * half.y / half.square
     x_slope, y_slope = half.x / half.z, half.y / half.z
     tan2 = x_slope * x_slope + y_slope * y_slope
-    power = jnp.exp((nu * x2 + nv * y2) * log_cosine_over_sine_square(tan2))
-    return jnp.sqrt((nu + 1.0) * (nv + 1.0)) / (2.0 * jnp.pi) * power
+    peak = scale * (jnp.sqrt((nu + 1.0) * (nv + 1.0)) / (2.0 * jnp.pi))
+    return times_exp(peak, (nu * x2 + nv * y2) * log_cosine_over_sine_square(tan2))
 
 
 def _power_normal(u: Uniforms, nu: Scalar, nv: Scalar) -> Direction:
@@ -75,7 +75,7 @@ class AbstractBlinnPhong(AbstractBRDF):
     def value(self, wi: Direction, wo: Direction) -> RGB:
         """The lobe's value."""
         half = half_geometry(wi, wo)
-        density = self.normalization(half) * jnp.exp(self.exponent * _log_cosine_h(half))
+        density = times_exp(self.normalization(half), self.exponent * _log_cosine_h(half))
         return lobe_value(self.specular_color, self.fresnel, half, density)
 
     def draw(self, wo: Direction, u: Uniforms) -> Direction:
@@ -85,7 +85,7 @@ class AbstractBlinnPhong(AbstractBRDF):
     def density(self, wi: Direction, wo: Direction) -> Scalar:
         """Density of that facet's mirror direction."""
         half = half_geometry(wi, wo)
-        return _power_density(half, self.exponent, self.exponent) / (4.0 * half.cos_d)
+        return _power_density(half, self.exponent, self.exponent, 0.25 / half.cos_d)
 
     def weight(self, wo: Direction) -> Scalar:
         """Mean of s F at the mirror direction."""
@@ -133,8 +133,8 @@ class BlinnPhongAshikhminShirley2000(AbstractBRDF):
     def value(self, wi: Direction, wo: Direction) -> RGB:
         """The lobe without color and Fresnel."""
         half = half_geometry(wi, wo)
-        facets = _power_density(half, *alpha_xy(self.exponents))
-        density = facets / (4.0 * half.cos_d * jnp.maximum(half.i_z, half.o_z))
+        scale = 0.25 / (half.cos_d * jnp.maximum(half.i_z, half.o_z))
+        density = _power_density(half, *alpha_xy(self.exponents), scale)
         return lobe_value(self.specular_color, self.fresnel, half, density)
 
     def draw(self, wo: Direction, u: Uniforms) -> Direction:
@@ -144,7 +144,7 @@ class BlinnPhongAshikhminShirley2000(AbstractBRDF):
     def density(self, wi: Direction, wo: Direction) -> Scalar:
         """Density of that facet's mirror direction."""
         half = half_geometry(wi, wo)
-        return _power_density(half, *alpha_xy(self.exponents)) / (4.0 * half.cos_d)
+        return _power_density(half, *alpha_xy(self.exponents), 0.25 / half.cos_d)
 
     def weight(self, wo: Direction) -> Scalar:
         """Mean of s F at the mirror direction."""

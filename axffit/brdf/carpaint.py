@@ -9,6 +9,7 @@ from axffit.brdf.base import AbstractBRDF, as_parameter
 from axffit.brdf.color_table import ColorTable, white_color_table
 from axffit.brdf.cook_torrance import beckmann, v_groove_over_cosines
 from axffit.brdf.flakes import Flakes
+from axffit.brdf.fresnel import schlick
 from axffit.brdf.geometry import HalfGeometry, half_angles, half_geometry
 from axffit.brdf.sampling import (
     Uniforms,
@@ -22,7 +23,7 @@ from axffit.brdf.sampling import (
     slope_gaussian,
     slope_normal,
 )
-from axffit.numerics import power5, safe_atan2
+from axffit.numerics import safe_atan2
 
 MAX_LOBES = 4
 
@@ -66,9 +67,9 @@ class CarPaint(AbstractBRDF):
 
     def brightness(self, half: HalfGeometry) -> Scalar:
         """b, in 1/sr, without the color."""
-        fresnel = self.f0 + (1.0 - self.f0) * power5(half.one_minus_cos_d)
-        lobes = self.coefficients * beckmann(half, self.spreads, self.spreads) * fresnel
-        return (self.diffuse + jnp.sum(lobes) * v_groove_over_cosines(half)) / jnp.pi
+        fresnel = schlick(self.f0, half.cos_d, half.one_minus_cos_d)
+        shape = beckmann(half, self.spreads, self.spreads, v_groove_over_cosines(half))
+        return (self.diffuse + jnp.sum(self.coefficients * fresnel * shape)) / jnp.pi
 
     def value(self, wi: Direction, wo: Direction) -> RGB:
         """Brightness times color, plus flakes."""
@@ -80,7 +81,7 @@ class CarPaint(AbstractBRDF):
 
     def _lobe_weights(self, wo: Direction) -> Float[Array, " lobes"]:
         """Rough albedo of each lobe: 4 s F at the mirror direction, less what a broad lobe loses."""
-        fresnel = self.f0 + (1.0 - self.f0) * power5(1.0 - wo[2])
+        fresnel = schlick(self.f0, wo[2], 1.0 - wo[2])
         return 4.0 * self.coefficients * fresnel / (1.0 + self.spreads * self.spreads)
 
     def _shares(self, wo: Direction) -> Float[Array, " terms"]:

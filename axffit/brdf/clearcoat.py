@@ -8,7 +8,12 @@ from jaxtyping import Array, Float
 
 from axffit._types import RGB, Angles, Direction, Scalar
 from axffit.brdf.base import AbstractBRDF, as_parameter
-from axffit.brdf.fresnel import dielectric_reflectance, schlick_reflectance
+from axffit.brdf.fresnel import (
+    dielectric_reflectance,
+    dielectric_transmittance,
+    schlick_reflectance,
+    schlick_transmittance,
+)
 from axffit.brdf.geometry import half_geometry
 from axffit.brdf.ggx import GGX
 from axffit.brdf.sampling import DOWN, Uniforms, choose, shares
@@ -58,6 +63,11 @@ class ClearCoat(AbstractBRDF):
         form = dielectric_reflectance if self.fresnel == "exact" else schlick_reflectance
         return form(floor_cosine(cosine), jnp.broadcast_to(self.ior, cosine.shape))
 
+    def transmittance(self, cosine: Angles) -> Angles:
+        """1 - F of :meth:`reflectance`, with all its digits at grazing angles."""
+        form = dielectric_transmittance if self.fresnel == "exact" else schlick_transmittance
+        return form(floor_cosine(cosine), jnp.broadcast_to(self.ior, cosine.shape))
+
     def value(self, wi: Direction, wo: Direction) -> RGB:
         """The layered value; 0 where a direction is below the coat's or the base's normal."""
         normal = normalize(self.normal)
@@ -66,7 +76,7 @@ class ClearCoat(AbstractBRDF):
         wi, wo = jnp.where(visible, wi, normal), jnp.where(visible, wo, normal)
         cos_i, cos_o = jnp.where(visible, cos_i, 1.0), jnp.where(visible, cos_o, 1.0)
         inside = (refract(wi, normal, self.ior), refract(wo, normal, self.ior)) if self.refracting else (wi, wo)
-        transmitted = (1.0 - self.reflectance(cos_i)) * (1.0 - self.reflectance(cos_o))
+        transmitted = self.transmittance(cos_i) * self.transmittance(cos_o)
         value = transmitted * self.base.masked_value(*inside)
         if self.mirror_roughness is not None:
             value = value + self._mirror_value(wi, wo, self.mirror_roughness)
@@ -92,8 +102,8 @@ class ClearCoat(AbstractBRDF):
 
     def _shares(self, wo: Direction, inside: Direction, cosine: Scalar) -> Float[Array, "2"]:
         """Shares of the base and of the mirror lobe in the draws."""
-        reflectance = self.reflectance(cosine)
-        return shares(jnp.stack([(1.0 - reflectance) * self.base.weight(inside), reflectance * jnp.mean(self.color)]))
+        mirror = self.reflectance(cosine) * jnp.mean(self.color)
+        return shares(jnp.stack([self.transmittance(cosine) * self.base.weight(inside), mirror]))
 
     def draw(self, wo: Direction, u: Uniforms) -> Direction:
         """A draw of the base below the coat, or of the mirror lobe."""
@@ -142,9 +152,9 @@ class ClearCoat(AbstractBRDF):
         normal = normalize(self.normal)
         visible = dot(wo, normal) > 0
         wo = jnp.where(visible, wo, normal)
-        reflectance = self.reflectance(dot(wo, normal))
+        cosine = dot(wo, normal)
         inside = refract(wo, normal, self.ior) if self.refracting else wo
-        weight = (1.0 - reflectance) * self.base.weight(inside)
+        weight = self.transmittance(cosine) * self.base.weight(inside)
         if self.mirror_roughness is not None:
-            weight = weight + reflectance * jnp.mean(self.color)
+            weight = weight + self.reflectance(cosine) * jnp.mean(self.color)
         return jnp.where(visible, weight, 0.0)

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from axffit._types import RGB, Direction, Scalar
 from axffit.brdf.base import AbstractBRDF, as_parameter
 from axffit.brdf.fresnel import AbstractFresnel, NoFresnel
-from axffit.brdf.geometry import HalfGeometry, half_geometry
+from axffit.brdf.geometry import HalfGeometry, Lobes, half_geometry, slope_square
 from axffit.brdf.lobe import (
     Normalization,
     PerAxis,
@@ -17,7 +17,6 @@ from axffit.brdf.lobe import (
     normalization_factor,
 )
 from axffit.brdf.sampling import (
-    Lobes,
     Uniforms,
     gaussian_slopes,
     mirrored,
@@ -25,12 +24,14 @@ from axffit.brdf.sampling import (
     slope_gaussian,
     slope_normal,
 )
+from axffit.numerics import times_exp
 
 
-def beckmann(half: HalfGeometry, alpha: Lobes, beta: Lobes) -> Lobes:
-    """D = exp(-(h_x²/alpha² + h_y²/beta²) / h_z²) / (alpha beta h_z⁴): Beckmann's density without its 1 / pi."""
+def beckmann(half: HalfGeometry, alpha: Lobes, beta: Lobes, scale: Scalar) -> Lobes:
+    """D · ``scale``, D = exp(-(h_x²/alpha² + h_y²/beta²) / h_z²) / (alpha beta h_z⁴): Beckmann's without its 1 / pi."""
     inverse_cosine_square = half.square / (half.z * half.z)
-    return jnp.pi * slope_gaussian(half, alpha, beta) * inverse_cosine_square * inverse_cosine_square
+    peak = scale * (inverse_cosine_square * inverse_cosine_square) / (alpha * beta)
+    return times_exp(peak, -slope_square(half, alpha, beta))
 
 
 def v_groove_over_cosines(half: HalfGeometry) -> Scalar:
@@ -63,8 +64,8 @@ class CookTorrance(AbstractBRDF):
     def value(self, wi: Direction, wo: Direction) -> RGB:
         """D G / (pi i_z o_z), times the normalization."""
         half = half_geometry(wi, wo)
-        scale = normalization_factor(self.normalization) / jnp.pi
-        density = scale * beckmann(half, *alpha_xy(self.roughness)) * v_groove_over_cosines(half)
+        scale = normalization_factor(self.normalization) / jnp.pi * v_groove_over_cosines(half)
+        density = beckmann(half, *alpha_xy(self.roughness), scale)
         return lobe_value(self.specular_color, self.fresnel, half, density)
 
     def draw(self, wo: Direction, u: Uniforms) -> Direction:

@@ -49,8 +49,8 @@ class Schlick1994(AbstractFresnel):
     f0: Reflectance = eqx.field(converter=as_parameter)
 
     def factor(self, cos_d: Float[Array, ""], one_minus_cos_d: Float[Array, ""]) -> Reflectance:
-        """F0 + (1 - F0) (1 - c)⁵."""
-        return self.f0 + (1.0 - self.f0) * power5(one_minus_cos_d)
+        """The factor."""
+        return schlick(self.f0, cos_d, one_minus_cos_d)
 
 
 class Fresnel1818(AbstractFresnel):
@@ -87,16 +87,48 @@ def dielectric_reflectance(cosine: Float[Array, "..."], ior: Float[Array, "..."]
 
     ``cosine`` > 0 is measured outside. Exactly 0 for ``ior`` = 1; 1 where ``ior`` < 1 reflects totally.
     """
-    m = 1.0 / ior
-    total = (1.0 - m) * (1.0 + m) + m * m * cosine * cosine <= 0
-    safe_m = jnp.where(total, jnp.ones_like(m), m)
-    one_minus_m2 = (1.0 - safe_m) * (1.0 + safe_m)
-    value = one_minus_m2 * one_minus_m2 * _dielectric_bracket(cosine, safe_m, one_minus_m2)
+    m, total = _inverse_index(cosine, ior)
+    one_minus_m2 = (1.0 - m) * (1.0 + m)
+    value = one_minus_m2 * one_minus_m2 * _dielectric_bracket(cosine, m, one_minus_m2)
     return jnp.where(total, jnp.ones_like(value), value)
 
 
+def dielectric_transmittance(cosine: Float[Array, "..."], ior: Float[Array, "..."]) -> Float[Array, "..."]:
+    """1 - F of :func:`dielectric_reflectance`, in a form that keeps its digits where F is near 1.
+
+    2 m c g (1 / (m c + g)² + 1 / (c + m g)²) with m = 1 / n and g the cosine inside; 0 at total reflection.
+    """
+    m, total = _inverse_index(cosine, ior)
+    g = safe_sqrt((1.0 - m) * (1.0 + m) + m * m * cosine * cosine)
+    s, p = m * cosine + g, cosine + m * g
+    value = 2.0 * m * cosine * g * (1.0 / (s * s) + 1.0 / (p * p))
+    return jnp.where(total, jnp.zeros_like(value), value)
+
+
+def _inverse_index(cosine: Float[Array, "..."], ior: Float[Array, "..."]) -> tuple[Array, Array]:
+    """m = 1 / n, and where an index below 1 reflects totally; m is 1 there."""
+    m = 1.0 / ior
+    total = (1.0 - m) * (1.0 + m) + m * m * cosine * cosine <= 0
+    return jnp.where(total, jnp.ones_like(m), m), total
+
+
+def schlick(f0: Array, cosine: Array, one_minus_cosine: Array) -> Array:
+    """F0 + (1 - F0) x⁵ with x = 1 - c, as x⁵ + F0 (1 - x⁵): so the slope in F0 keeps its digits near x = 1, too."""
+    return power5(one_minus_cosine) + f0 * _one_minus_power5(cosine, one_minus_cosine)
+
+
+def _one_minus_power5(cosine: Array, one_minus_cosine: Array) -> Array:
+    """1 - x⁵ = c (1 + x + x² + x³ + x⁴), x = 1 - c."""
+    x = one_minus_cosine
+    return cosine * (1.0 + x * (1.0 + x * (1.0 + x * (1.0 + x))))
+
+
 def schlick_reflectance(cosine: Float[Array, "..."], ior: Float[Array, "..."]) -> Float[Array, "..."]:
-    """Schlick's approximation for index ``ior``, F0 = ((n - 1) / (n + 1))²."""
+    """Schlick's approximation with F0 = ((n-1)/(n+1))²."""
     root = (ior - 1.0) / (ior + 1.0)
-    f0 = root * root
-    return f0 + (1.0 - f0) * power5(1.0 - cosine)
+    return schlick(root * root, cosine, 1.0 - cosine)
+
+
+def schlick_transmittance(cosine: Float[Array, "..."], ior: Float[Array, "..."]) -> Float[Array, "..."]:
+    """1 - F of :func:`schlick_reflectance`: (1 - F0) (1 - (1 - c)⁵), 1 - F0 = 4 n / (n + 1)²."""
+    return 4.0 * ior / ((ior + 1.0) * (ior + 1.0)) * _one_minus_power5(cosine, 1.0 - cosine)

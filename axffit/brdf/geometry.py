@@ -3,9 +3,13 @@
 from typing import NamedTuple
 
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from axffit._types import Direction, Scalar
 from axffit.numerics import floor_cosine, safe_norm, safe_sqrt
+
+Lobes = Float[Array, "*lobes"]
+"""One value, or one for each of several lobes."""
 
 
 class HalfGeometry(NamedTuple):
@@ -44,6 +48,12 @@ def half_geometry(wi: Direction, wo: Direction) -> HalfGeometry:
     difference = wi - wo
     sin_d_square = 0.25 * jnp.sum(difference * difference)
     return HalfGeometry(i_z, o_z, x, y, z, square, cos_d, sin_d_square / (1.0 + cos_d), safe_sqrt(sin_d_square))
+
+
+def slope_square(half: HalfGeometry, alpha: Lobes, beta: Lobes) -> Lobes:
+    """(h_x²/alpha² + h_y²/beta²) / h_z²: the facet's slope in units of the roughnesses, squared."""
+    x, y = half.x / half.z / alpha, half.y / half.z / beta
+    return x * x + y * y
 
 
 def half_angles(half: HalfGeometry) -> tuple[Scalar, Scalar]:

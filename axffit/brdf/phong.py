@@ -46,7 +46,7 @@ class PhongLewis1994(AbstractBRDF):
 
 
 def _mirror_power(wi: Direction, wo: Direction, exponent: Scalar) -> Scalar:
-    """max(0, c)^n, c = <reflect(i), o>, by 1 - c = |reflect(i) - o|² / 2."""
+    """max(0, c)^n, c = <reflect(i), o>; near 1 by 1 - c = |reflect(i) - o|² / 2."""
     x, y, z = wi[0] + wo[0], wi[1] + wo[1], wi[2] - wo[2]
-    half_chord2 = 0.5 * (x * x + y * y + z * z)
-    return positive_power(1.0 - half_chord2, half_chord2, exponent)
+    cosine = wi[2] * wo[2] - wi[0] * wo[0] - wi[1] * wo[1]
+    return positive_power(cosine, 0.5 * (x * x + y * y + z * z), exponent)

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from axffit._types import Direction, Scalar
-from axffit.brdf.geometry import HalfGeometry
+from axffit.brdf.geometry import HalfGeometry, Lobes, slope_square
 from axffit.frames import dot, reflect
 from axffit.hemisphere import sample_cosine
 from axffit.numerics import normalize, safe_sqrt
@@ -19,9 +19,6 @@ DOWN = (0.0, 0.0, -1.0)
 
 Uniforms = Float[Array, "3"]
 """Three independent uniforms in [0, 1)."""
-
-Lobes = Float[Array, "*lobes"]
-"""One value, or one for each of several lobes."""
 
 MINIMUM_SHARE = 1e-3
 """Smallest share of draws that a component of a mixture gets, so that no part of its density is lost."""
@@ -57,8 +54,7 @@ def gaussian_slopes(u: Uniforms, alpha: Scalar, beta: Scalar) -> tuple[Scalar, S
 
 def slope_gaussian(half: HalfGeometry, alpha: Lobes, beta: Lobes) -> Lobes:
     """Density of the facets' slopes: exp(-(h_x²/alpha² + h_y²/beta²) / h_z²) / (pi alpha beta)."""
-    x, y = half.x / half.z / alpha, half.y / half.z / beta
-    return jnp.exp(-(x * x + y * y)) / (jnp.pi * alpha * beta)
+    return jnp.exp(-slope_square(half, alpha, beta)) / (jnp.pi * alpha * beta)
 
 
 def slope_density_to_direction(density: Lobes, half: HalfGeometry) -> Lobes:

@@ -3,11 +3,12 @@
 import abc
 
 import equinox as eqx
+import jax.numpy as jnp
 
 from axffit._types import RGB, Direction, Scalar
 from axffit.brdf.base import AbstractBRDF, as_parameter
 from axffit.brdf.fresnel import AbstractFresnel, NoFresnel
-from axffit.brdf.geometry import HalfGeometry, half_geometry
+from axffit.brdf.geometry import HalfGeometry, half_geometry, slope_square
 from axffit.brdf.lobe import PerAxis, alpha_xy, lobe_value, lobe_weight
 from axffit.brdf.sampling import (
     Uniforms,
@@ -17,7 +18,7 @@ from axffit.brdf.sampling import (
     slope_gaussian,
     slope_normal,
 )
-from axffit.numerics import safe_sqrt
+from axffit.numerics import safe_sqrt, times_exp
 
 
 class AbstractWard(AbstractBRDF):
@@ -40,7 +41,9 @@ class AbstractWard(AbstractBRDF):
     def value(self, wi: Direction, wo: Direction) -> RGB:
         """The lobe's value."""
         half = half_geometry(wi, wo)
-        density = slope_gaussian(half, *alpha_xy(self.roughness)) * self.normalization(half)
+        alpha, beta = alpha_xy(self.roughness)
+        peak = self.normalization(half) / (jnp.pi * alpha * beta)
+        density = times_exp(peak, -slope_square(half, alpha, beta))
         return lobe_value(self.specular_color, self.fresnel, half, density)
 
     def draw(self, wo: Direction, u: Uniforms) -> Direction:
