@@ -34,6 +34,14 @@ def unavailable(message: str) -> NoReturn:
     pytest.skip(message)
 
 
+def fetch(command: Sequence[str | Path], folder: Path, *, timeout: float = 240) -> None:
+    """Runs a package manager; where it cannot get its packages the test skips by name, or fails as in `find_tool`."""
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=timeout, check=False)
+    if done.returncode != 0:
+        last = (done.stderr or done.stdout).strip().splitlines()[-1:]
+        unavailable(f"{Path(command[0]).name} {command[1]} cannot get its packages: {' '.join(last)}")
+
+
 def run_tool(command: Sequence[str | Path], folder: Path, *, timeout: float = 240) -> str:
     """What a program prints; its own words in the assertion where it fails."""
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=timeout, check=False)
