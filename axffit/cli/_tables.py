@@ -122,5 +122,20 @@ def metrics_line(metrics: Content) -> str:
     )
 
 
+def value_text(value: Any, *, exact: bool = False) -> str:
+    """A property's value: floats to three digits, or to all nine of a float32; the zeros that end a list counted."""
+    from axffit.report.numbers import significant
+
+    if isinstance(value, list):
+        end = len(value)
+        while end > 1 and value[end - 1] == 0 and value[end - 2] == 0:
+            end -= 1
+        zeros = [f"{len(value) - end} more zeros"] if end < len(value) else []
+        return "[" + ", ".join([*(value_text(each, exact=exact) for each in value[:end]), *zeros]) + "]"
+    if isinstance(value, float):
+        return f"{value:.9g}" if exact else significant(value)
+    return "-" if value is None else str(value)
+
+
 def _in_parentheses(text: str) -> str:
     return f"({text})" if text else ""

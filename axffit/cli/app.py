@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from axffit import __version__
-from axffit.cli import compare, demo, fit, verify
+from axffit.cli import compare, demo, diff, fit, inspect, verify
 
 HELP = """What an AxF material reflects, which lobes explain a measurement,
 what a texture format loses.
@@ -13,7 +13,7 @@ what a texture format loses.
 \b
 Exit codes of every verb
   0   done; verify: within tolerance
-  1   verify: outside tolerance; fit: not converged
+  1   verify: outside tolerance; fit: not converged; diff: different
   2   unusable input: one line on stderr says which, and the mend
   70  a fault of axffit
 """
@@ -43,5 +43,12 @@ def root(*, version: _Version = False) -> None:
     """The options that come before a verb."""
 
 
-for _name, _verb in {"verify": verify, "compare": compare, "fit": fit, "demo": demo}.items():
+for _name, _verb in {
+    "inspect": inspect,
+    "diff": diff,
+    "verify": verify,
+    "compare": compare,
+    "fit": fit,
+    "demo": demo,
+}.items():
     app.command(name=_name, help=_verb.HELP)(_verb.command)

@@ -5,9 +5,9 @@ import sys
 
 import pytest
 
-from axffit.cli import compare, demo, dispatch, fit, verify
+from axffit.cli import compare, demo, diff, dispatch, fit, inspect, verify
 
-VERBS = {"verify": verify, "compare": compare, "fit": fit, "demo": demo}
+VERBS = {"inspect": inspect, "diff": diff, "verify": verify, "compare": compare, "fit": fit, "demo": demo}
 HEAVY = {"jax", "jaxlib", "optimistix", "equinox", "matplotlib", "h5py", "colour", "OpenEXR", "scipy", "numpy"}
 SHOW_HEAVY = f"""
 import sys
