@@ -6,8 +6,9 @@ are two ways to make a pair of floats, which have a length of 1 only to rounding
 - `on_sphere` divides each by its length: the models are defined for unit vectors. How far a float lies beside the
   sphere is a rounding of the model's inputs.
 - `as_given` takes the components for exact and continues off the sphere what the half vector's geometry is on it:
-  <h, o> = |i + o| / 2 and 1 - <h, o> = |i - o|² / 4 / (1 + <h, o>), as `axffit.brdf.geometry` says it does. That these
-  are identities on the sphere is what `on_sphere` proves.
+  <h, o> = |i + o| / 2 and x = 1 - <h, o> = |i - o|² / 4 / (1 + <h, o>), as `axffit.brdf.geometry` says it does, and
+  1 - x⁵ = <h, o> (1 + x + x² + x³ + x⁴), as Schlick's factor does. That these are identities on the sphere is what
+  `on_sphere` proves.
 """
 
 import math
@@ -51,35 +52,49 @@ class Pair(NamedTuple):
     one_minus_c: mp.mpf
     exact: bool
     """Whether the directions have unit length."""
+    lowest: float
+    """Smallest cosine at which the models have to be right."""
 
 
-def unit_pair(i: Vector, o: Vector) -> Pair:
+class TooLow(Exception):
+    """A direction that was turned or bent lies so near the horizon that a model need not be right."""
+
+
+def unit_pair(i: Vector, o: Vector, lowest: float) -> Pair:
     h = unit(plus(i, o))
     c = inner(h, o)
-    return Pair(i, o, h, c, 1 - c, exact=True)
+    return Pair(i, o, h, c, 1 - c, exact=True, lowest=lowest)
 
 
-def continued_pair(i: Vector, o: Vector) -> Pair:
+def continued_pair(i: Vector, o: Vector, lowest: float) -> Pair:
     total, difference = plus(i, o), plus(i, o, -1)
     c = mp.sqrt(inner(total, total)) / 2
-    return Pair(i, o, times(1 / (2 * c), total), c, inner(difference, difference) / (4 * (1 + c)), exact=False)
+    return Pair(
+        i, o, times(1 / (2 * c), total), c, inner(difference, difference) / (4 * (1 + c)), exact=False, lowest=lowest
+    )
 
 
-def on_sphere(wi, wo) -> Pair:
+def on_sphere(wi, wo, lowest: float = 0.0) -> Pair:
     with mp.workdps(DIGITS + SPARE):
-        return unit_pair(unit(vector(wi)), unit(vector(wo)))
+        return unit_pair(unit(vector(wi)), unit(vector(wo)), lowest)
 
 
-def as_given(wi, wo) -> Pair:
-    return continued_pair(vector(wi), vector(wo))
+def as_given(wi, wo, lowest: float = 0.0) -> Pair:
+    return continued_pair(vector(wi), vector(wo), lowest)
 
 
 def pair_like(pair: Pair, i: Vector, o: Vector) -> Pair:
-    """Another pair of directions, of the same kind."""
+    """Another pair of directions above the horizon, of the same kind.
+
+    Raises:
+        TooLow: one of them lies nearer the horizon than the models have to be right.
+    """
+    if min(i[2], o[2]) < pair.lowest:
+        raise TooLow
     if not pair.exact:
-        return continued_pair(i, o)
+        return continued_pair(i, o, pair.lowest)
     with mp.workdps(DIGITS + SPARE):
-        return unit_pair(i, o)
+        return unit_pair(i, o, pair.lowest)
 
 
 # Fresnel
@@ -90,7 +105,10 @@ def no_fresnel(pair: Pair):
 
 
 def schlick(pair: Pair, f0):
-    return f0 + (1 - f0) * pair.one_minus_c**5
+    x = pair.one_minus_c
+    if pair.exact:
+        return f0 + (1 - f0) * x**5
+    return x**5 + f0 * pair.c * (1 + x + x**2 + x**3 + x**4)
 
 
 def fresnel_1818(pair: Pair, f0):
@@ -272,6 +290,8 @@ def coated(pair: Pair, normal: Vector, n, reflectance, *, refracting: bool) -> t
         cosines = inner(pair.i, normal), inner(pair.o, normal)
         if min(cosines) <= 0:
             return None
+        if min(cosines) < pair.lowest:
+            raise TooLow
         passed = (1 - reflectance(cosines[0], n)) * (1 - reflectance(cosines[1], n))
         if not refracting:
             return passed, pair
