@@ -1,4 +1,4 @@
-"""The packed integers of target `unity_2018`: what each bit means, and only that.
+"""The packed integers of the Unity targets: what each bit means, and only that.
 
 The integers travel through float32 shader constants, which hold every whole number below 2^24 exactly. Packing is
 total both ways: ``unpack(word).pack() == word`` for every such word, bits without a meaning included.
@@ -56,42 +56,79 @@ class Bits(NamedTuple):
         return number << self.shift
 
 
-class Flags(enum.IntFlag, boundary=enum.KEEP):
-    """`_flags`: which optional parts of the material the shader samples."""
-
-    ANISOTROPIC = 1
-    """Bit 0: the lobe map has two channels and turns with the rotation map (SVBRDF only)."""
-    CLEAR_COAT = 2
-    """Bit 1: a clear coat is applied."""
-    CLEAR_COAT_REFRACTS = 4
-    """Bit 2: directions bend at the coat."""
-    HEIGHT_MAP = 8
-    """Bit 3: displacement by the height map."""
+class FlagWord(enum.IntFlag, boundary=enum.KEEP):
+    """What every engine's flags have in common: the first four bits, by name, and the bits without a meaning."""
 
     @property
     def is_anisotropic(self) -> bool:
-        """Bit 0."""
-        return bool(self & Flags.ANISOTROPIC)
+        """Bit 0: the lobe map has two channels and turns with the rotation map (SVBRDF only)."""
+        return bool(self & 1)
 
     @property
     def has_clear_coat(self) -> bool:
-        """Bit 1."""
-        return bool(self & Flags.CLEAR_COAT)
+        """Bit 1: a clear coat is applied."""
+        return bool(self & 2)
 
     @property
     def coat_refracts(self) -> bool:
-        """Bit 2."""
-        return bool(self & Flags.CLEAR_COAT_REFRACTS)
+        """Bit 2: directions bend at the coat."""
+        return bool(self & 4)
 
     @property
     def has_height_map(self) -> bool:
-        """Bit 3."""
-        return bool(self & Flags.HEIGHT_MAP)
+        """Bit 3: displacement by the height map."""
+        return bool(self & 8)
 
     @property
     def unknown(self) -> int:
         """Bits without a meaning."""
-        return int(self) & ~0b1111
+        return int(self) & ~sum(int(flag) for flag in type(self))
+
+
+class Flags(FlagWord):
+    """`_flags` of `unity_2018`: which optional parts of the material the shader samples."""
+
+    ANISOTROPIC = 1
+    CLEAR_COAT = 2
+    CLEAR_COAT_REFRACTS = 4
+    HEIGHT_MAP = 8
+
+
+class HdrpFlags(FlagWord):
+    """`_Flags` of `hdrp_10`: those of 2018, and what later shaders added."""
+
+    ANISOTROPIC = 1
+    CLEAR_COAT = 2
+    CLEAR_COAT_REFRACTS = 4
+    HEIGHT_MAP = 8
+    COLOR_TABLE_DIAGONAL_CLAMP = 16
+    """Bit 4: theta_d stops at pi/2 - theta_h, since the color table is black beyond."""
+    HONOR_MIN_ROUGHNESS = 1 << 8
+    """Bit 8: roughness is raised to the engine's smallest for punctual lights."""
+    HONOR_MIN_ROUGHNESS_COAT = 1 << 9
+    """Bit 9: so is the coat's."""
+    DEBUG = 1 << 23
+    """Bit 23: set by the engine in its float copy of the word; the last bit a float32 carries."""
+
+    @property
+    def clamps_color_table(self) -> bool:
+        """Bit 4."""
+        return bool(self & HdrpFlags.COLOR_TABLE_DIAGONAL_CLAMP)
+
+    @property
+    def honors_min_roughness(self) -> bool:
+        """Bit 8."""
+        return bool(self & HdrpFlags.HONOR_MIN_ROUGHNESS)
+
+    @property
+    def honors_min_roughness_of_coat(self) -> bool:
+        """Bit 9."""
+        return bool(self & HdrpFlags.HONOR_MIN_ROUGHNESS_COAT)
+
+    @property
+    def is_debug(self) -> bool:
+        """Bit 23."""
+        return bool(self & HdrpFlags.DEBUG)
 
 
 DIFFUSE_CODES: Mapping[str, int] = {"Lambert": 0, "OrenNayar": 1}

@@ -70,14 +70,19 @@ def encode_level(
 
 
 def decode_rows(codes: np.ndarray, reading: Reranging, form: NumberFormat, channels: int) -> np.ndarray:
-    """AxF values [..., channels] in float64 of codes [..., format channels]: what the shader works with."""
+    """AxF values [..., AxF channels] in float64 of codes [..., format channels]: what the shader works with."""
     return reading.inverse(form.decode(codes)[..., :channels])
 
 
 def decode_level(codes: np.ndarray, reading: Reranging, form: NumberFormat, channels: int) -> np.ndarray:
-    """A whole level in AxF's range, float32 as in a shader."""
-    level = np.empty((codes[..., 0].size, channels), dtype=np.float32)
+    """A whole level in AxF's range, float32 as in a shader; ``channels`` of the format carry data."""
+    level: np.ndarray | None = None
     for run, rows in blocks(codes):
         with np.errstate(over="ignore"):
-            level[run] = decode_rows(rows, reading, form, channels)
-    return level.reshape(*codes.shape[:-1], channels)
+            values = decode_rows(rows, reading, form, channels)
+            if level is None:
+                level = np.empty((codes[..., 0].size, values.shape[-1]), dtype=np.float32)
+            level[run] = values
+    if level is None:
+        return np.empty((*codes.shape[:-1], channels), dtype=np.float32)
+    return level.reshape(*codes.shape[:-1], level.shape[-1])

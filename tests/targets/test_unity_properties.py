@@ -7,7 +7,8 @@ from axffit.axf import MaterialKind
 from axffit.axf.names import TEXTURE_KEYS
 from axffit.axf.properties import PROPERTY_TYPES
 from axffit.targets import unity_2018
-from axffit.targets.unity_properties import TEXTURE_ROWS, VALUE_ROWS, Absent, ValueType
+from axffit.targets.table import Absent, ValueType
+from axffit.targets.unity_properties import TEXTURE_ROWS, VALUE_ROWS
 from axffit.textures import FORMATS
 from tests.targets.materials import MATERIALS, paint, ward, without
 
