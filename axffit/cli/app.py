@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from axffit import __version__
-from axffit.cli import compare, demo, diff, fit, inspect, verify
+from axffit.cli import compare, demo, diff, export, fit, import_, inspect, verify
 
 HELP = """What an AxF material reflects, which lobes explain a measurement,
 what a texture format loses.
@@ -46,6 +46,8 @@ def root(*, version: _Version = False) -> None:
 for _name, _verb in {
     "inspect": inspect,
     "diff": diff,
+    "export": export,
+    "import": import_,
     "verify": verify,
     "compare": compare,
     "fit": fit,

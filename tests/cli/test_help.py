@@ -5,9 +5,18 @@ import sys
 
 import pytest
 
-from axffit.cli import compare, demo, diff, dispatch, fit, inspect, verify
+from axffit.cli import compare, demo, diff, dispatch, export, fit, import_, inspect, verify
 
-VERBS = {"inspect": inspect, "diff": diff, "verify": verify, "compare": compare, "fit": fit, "demo": demo}
+VERBS = {
+    "inspect": inspect,
+    "diff": diff,
+    "export": export,
+    "import": import_,
+    "verify": verify,
+    "compare": compare,
+    "fit": fit,
+    "demo": demo,
+}
 HEAVY = {"jax", "jaxlib", "optimistix", "equinox", "matplotlib", "h5py", "colour", "OpenEXR", "scipy", "numpy"}
 SHOW_HEAVY = f"""
 import sys

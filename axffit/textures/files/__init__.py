@@ -7,4 +7,6 @@ from .containers import StoredFile as StoredFile
 from .containers import container_for as container_for
 from .containers import load as load
 from .containers import save as save
+from .image import MAXIMUM_BYTES as MAXIMUM_BYTES
 from .image import TextureImage as TextureImage
+from .image import check_bytes as check_bytes

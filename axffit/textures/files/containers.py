@@ -104,19 +104,28 @@ def save(folder: Path, stem: str, image: TextureImage, container: Container) -> 
 
     Raises:
         InputError: the container cannot store it.
+        OSError: the disk; it names the file.
     """
     plain = not image.is_array and len(image.levels) == 1
     if container.whole or plain:
         stored = StoredFile(stem + container.suffix)
-        container.write(folder / stored.file, image)
+        _write(container, folder / stored.file, image)
         return (stored,)
     files = []
     for level in range(len(image.levels)):
         for index in range(image.slices):
             name = f"{stem}.level{level}" + (f".slice{index}" if image.is_array else "") + container.suffix
             files.append(StoredFile(name, level, index if image.is_array else None))
-            container.write(folder / name, TextureImage(image.format, (image.slice(level, index),)))
+            _write(container, folder / name, TextureImage(image.format, (image.slice(level, index),)))
     return tuple(files)
+
+
+def _write(container: Container, path: Path, image: TextureImage) -> None:
+    try:
+        container.write(path, image)
+    except OSError as error:
+        # A full disk is reported without the file's name.
+        raise OSError(error.errno, error.strerror, str(path)) from error
 
 
 def load(

@@ -4,6 +4,7 @@ Mip levels and slices are numbered parts (``level0``, ``level1.slice2``), since 
 damaged. The header attribute ``axffit.format`` names the number format, so that codes come back bit for bit.
 """
 
+import errno
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -36,6 +37,7 @@ def write(path: Path, image: TextureImage) -> None:
     Raises:
         InputError: codes of another format do not come back from the numbers they stand for (SNORM has two codes for
             -1).
+        OSError: the file cannot be written whole.
     """
     form = image.number_format
     parts = []
@@ -53,8 +55,14 @@ def write(path: Path, image: TextureImage) -> None:
             channels = {name: np.ascontiguousarray(values[..., c]) for c, name in enumerate(_CHANNELS[: form.channels])}
             name = _part_name(level, index if image.is_array else None)
             parts.append(OpenEXR.Part(header, channels, name))
-    with OpenEXR.File(parts) as file:
-        file.write(str(path))
+    try:
+        with OpenEXR.File(parts) as file:
+            file.write(str(path))
+        # OpenEXR has written damaged files without an error before.
+        parts_of(path, content_of(path))
+    except (RuntimeError, InputError) as error:
+        reason = str(error).replace(f' to image file "{path}"', "")
+        raise OSError(errno.EIO, f"OpenEXR could not write it ({reason})", str(path)) from error
 
 
 def read(path: Path, format: str | None = None) -> TextureImage:

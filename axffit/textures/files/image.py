@@ -124,14 +124,14 @@ def check_size(path: Path, width: int, height: int, layers: int, texel_bytes: in
     check_bytes(path, width * height * layers * texel_bytes, stored=stored)
 
 
-def check_bytes(path: Path, declared: int, *, stored: int) -> None:
-    """Refuse more bytes of texels than a file of ``stored`` bytes can hold, or than are ever read.
+def check_bytes(path: Path, declared: int, *, stored: int, most: int = MAXIMUM_BYTES) -> None:
+    """Refuse more bytes of texels than files of ``stored`` bytes can hold, or than ``most``.
 
     Raises:
         InputError: as said.
     """
-    if declared > MAXIMUM_BYTES or declared > max(_SMALL, _EXPANSION * stored):
+    if declared > most or declared > max(_SMALL, _EXPANSION * stored):
         raise InputError(
-            f"{path}: declares {declared} bytes of texels in a file of {stored} bytes; the file is damaged, "
-            f"or larger than {MAXIMUM_BYTES} bytes, which is the most that is read"
+            f"{path}: declares {declared} bytes of texels where {stored} bytes are stored; it is damaged, "
+            f"or larger than {most} bytes, which is the most that is read"
         )
