@@ -1,0 +1,152 @@
+"""What the pytest plugin checks on a material of the user's: the laws, and what a target makes of it."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+import jax
+import numpy as np
+
+from axffit import axf
+from axffit.axf.validation import problems
+from axffit.errors import InputError
+from axffit.targets import PackedMaterial, target_named
+from axffit.testing import laws
+from axffit.testing.directions import Pairs, extreme_pairs, random_pairs
+from axffit.testing.energy import passivity_report
+from axffit.testing.places import Place, places
+
+AWAY = 0.05
+"""Smallest cosine of the pairs for laws that do not hold to the last digit near the horizon."""
+
+
+class NotApplicable(Exception):
+    """A check does not apply to a material; the message says why."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One test of one material.
+
+    Attributes:
+        material: id of the material, made unique by the file's name where two files share it.
+        name: name of the law, or of the target and what is checked there.
+        run: does it: returns a line about what was measured (or None), raises ``AssertionError`` if it fails and
+            ``NotApplicable`` if there is nothing to check.
+    """
+
+    material: str
+    name: str
+    run: Callable[[], str | None]
+
+    @property
+    def id(self) -> str:
+        """What the test is called."""
+        return f"{self.material}-{self.name}"
+
+
+def checks_of(
+    files: Sequence[str], *, materials: Sequence[str] = (), engines: Sequence[str] = (), texels: int = 8
+) -> tuple[Check, ...]:
+    """All checks of the materials of some files.
+
+    Args:
+        files: paths of .axf files.
+        materials: ids of the materials to check; empty for all.
+        engines: names of targets to pack for.
+        texels: places of an SVBRDF drawn at random besides its extreme ones, >= 0.
+
+    Raises:
+        InputError: a file cannot be read, a material or target is unknown, or a model is not evaluated.
+    """
+    if texels < 0:
+        raise InputError(f"--axf-texels {texels}: give 0 or more")
+    packers = [target_named(name) for name in engines]
+    chosen = [(Path(file), material) for file in files for material in axf.read(file).materials]
+    if materials:
+        known = [material.id for _, material in chosen]
+        for wanted in materials:
+            if wanted not in known:
+                raise InputError(f"{', '.join(files)}: no material {wanted!r}; there are: {', '.join(known)}")
+        chosen = [(path, material) for path, material in chosen if material.id in materials]
+    ids = [material.id for _, material in chosen]
+    found: list[Check] = []
+    for path, material in chosen:
+        name = material.id if ids.count(material.id) == 1 else f"{path.stem}:{material.id}"
+        found.extend(_law_checks(name, places(material, count=texels)))
+        for engine in packers:
+            found.extend(_target_checks(name, material, engine))
+    return tuple(found)
+
+
+def _law_checks(material: str, where: tuple[Place, ...]) -> Iterator[Check]:
+    for law in laws.LAWS:
+        yield Check(material, law, lambda law=law: _check_law(law, where))
+
+
+def _pairs(law: str) -> Iterator[Pairs]:
+    """The directions on which a law is checked."""
+    if law in ("finite", "horizon"):
+        extreme = extreme_pairs()
+        yield extreme
+        if law == "finite":
+            yield extreme[0].astype(np.float32), extreme[1].astype(np.float32)
+    yield random_pairs(lowest=0.0 if law in ("non-negativity", "horizon", "finite") else AWAY)
+
+
+def _check_law(law: str, where: tuple[Place, ...]) -> str | None:
+    """A law at every place of a material; double precision, whatever the process uses."""
+    with jax.enable_x64(True):  # noqa: FBT003
+        exempt = [laws.exemption(law, place.brdf) for place in where]
+        if all(exempt):
+            raise NotApplicable(exempt[0] if len(where) == 1 else f"nowhere: {exempt[0]}")
+        for place, reason in zip(where, exempt, strict=True):
+            if reason is None:
+                try:
+                    for wi, wo in _pairs(law):
+                        laws.LAWS[law](place.brdf, wi, wo)
+                except AssertionError as error:
+                    raise AssertionError(f"{error}, at {place.name}" if place.name else str(error)) from None
+        return _energy(where) if law == "passivity" else None
+
+
+def _energy(where: tuple[Place, ...]) -> str:
+    """The brightest place and viewer."""
+    _, wo = random_pairs(lowest=AWAY)
+
+    reports = [(passivity_report(place.brdf, wo), place) for place in where]
+    report, place = max(reports, key=lambda each: each[0].largest)
+    judged = f"; not enforced: {report.unenforceable}" if report.unenforceable else ""
+    return f"{report}{f', at {place.name}' if place.name else ''}{judged}"
+
+
+def _target_checks(name: str, material: axf.AxfMaterial, target: ModuleType) -> Iterator[Check]:
+    def obligations() -> None:
+        broken = target.validate(_packed(material, target))
+        assert not broken, f"{len(broken)} obligations broken; {broken[0]}"
+
+    def unpacks() -> None:
+        broken = list(problems(target.unpack(_packed(material, target))))
+        assert not broken, f"what comes back is no valid material: {broken[0]}"
+
+    def stable() -> None:
+        once = _packed(material, target)
+        twice = _packed(target.unpack(once), target)
+        for key, texture in once.textures.items():
+            again = twice.textures.get(key)
+            assert again is not None, f"texture {key} is gone when what was unpacked is packed again"
+            same = len(texture.levels) == len(again.levels) and all(map(np.array_equal, texture.levels, again.levels))
+            assert same, f"texture {key} has other codes when what was unpacked is packed again"
+        for key, value in once.values.items():
+            assert np.array_equal(value, twice.values[key]), f"value {key}: {value} becomes {twice.values[key]}"
+
+    for what, run in (("obligations", obligations), ("unpacks", unpacks), ("stable", stable)):
+        yield Check(name, f"{target.NAME}-{what}", run)
+
+
+def _packed(material: axf.AxfMaterial, target: ModuleType) -> PackedMaterial:
+    try:
+        return target.pack(material)
+    except InputError as error:
+        raise AssertionError(f"cannot be packed: {error}") from None
