@@ -85,8 +85,7 @@ class Engine:
         check_rounding(rounding)
         chosen = self._chosen_formats(formats or {})
         prepared = self.prepare(material)
-        material = prepared.material
-        values = {**material_values(self.tables, material), **prepared.values}
+        material, values = prepared.material, self._values(prepared)
         textures = {}
         for row in self.tables.textures:
             if material.kind not in row.kinds:
@@ -120,10 +119,13 @@ class Engine:
         the target does not advise is read as its advised one: the shader sees numbers, not formats.
 
         Raises:
-            InputError: the target has no such texture.
+            InputError: the target has no such texture, or not of so many channels.
         """
         row = self.tables.row(texture.name)
-        choices = row.stored_choices(texture.channels) or row.choices[max(row.choices)]
+        choices = row.stored_choices(texture.channels)
+        if not choices:
+            allowed = " or ".join(str(number) for number in row.choices)
+            raise InputError(f"{self.name}: {row.name} has {texture.channels} channels; the shader reads {allowed}")
         choice = next((choice for choice in choices if choice.format == texture.format), choices[0])
         return _transform(row, choice, values)
 
@@ -142,6 +144,19 @@ class Engine:
         choice = row.choices[max(row.choices)][0]
         stored = format_named(choice.format).channels
         return _chain(choice.reranging, choice.curve).inverse(np.array(row.default)[:stored])[: max(row.choices)]
+
+    def values_of(self, material: AxfMaterial) -> dict[str, Any]:
+        """The values `pack` gives this material, the scales of its textures left at 1."""
+        return self._values(self.prepare(material))
+
+    def scale_of(self, texture: PackedTexture, values: Mapping[str, Any]) -> tuple[str, Any] | None:
+        """Name and value of what a texture is divided by, or None.
+
+        Raises:
+            InputError: the target has no such texture.
+        """
+        name = self.tables.row(texture.name).scale
+        return None if name is None else (name, values.get(name, 1.0))
 
     def validate(self, packed: PackedMaterial) -> tuple[Problem, ...]:
         """Every broken obligation of a packed material, by name; empty when it may be handed to the shader."""
@@ -175,6 +190,9 @@ class Engine:
                 textures[texture.axf_name] = AxfTexture(levels, texture.width_mm, texture.height_mm, texture.source)
         fields = self.restore(packed, material_fields(self.tables, packed, slices))
         return AxfMaterial(id=packed.id, name=packed.name, textures=textures, metadata=packed.metadata, **fields)
+
+    def _values(self, prepared: Prepared) -> dict[str, Any]:
+        return {**material_values(self.tables, prepared.material), **prepared.values}
 
     def _chosen_formats(self, formats: Mapping[str, str]) -> dict[str, str]:
         known = {row.axf_name for row in self.tables.textures}

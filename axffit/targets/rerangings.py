@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..axf.ranges import DEFAULT_IOR
 from ..textures.rerange import Counts, Reranging, texels
 
 _HALF_MAXIMUM = 65504.0
@@ -164,3 +165,74 @@ class AtLeast(Reranging):
         """Texels below, and how far."""
         below = self.lowest - np.asarray(values, np.float64)
         return Counts(clamped=texels(below > 0), excess=_excess(np.maximum(below, 0.0)))
+
+
+@dataclass(frozen=True)
+class FlippedNormal(Reranging):
+    """0.5 (n + 1) of the unit vector along n with y negated: normal maps whose green runs downward."""
+
+    @property
+    def formula(self) -> str:
+        """Offset and flip."""
+        return "0.5 ((x, -y, z) / |n| + 1)"
+
+    def forward(self, values: np.ndarray) -> np.ndarray:
+        """The unit vector, flipped, in [0, 1]."""
+        values = np.asarray(values, np.float64)
+        length = np.linalg.norm(values, axis=-1, keepdims=True)
+        return 0.5 * (_flipped(values) / np.where(length > 0, length, 1.0) + 1.0)
+
+    def inverse(self, values: np.ndarray) -> np.ndarray:
+        """2 x - 1, flipped back."""
+        return _flipped(2.0 * np.asarray(values, np.float64) - 1.0)
+
+
+def _flipped(vectors: np.ndarray) -> np.ndarray:
+    return vectors * np.array([1.0, -1.0, 1.0])
+
+
+@dataclass(frozen=True)
+class UsableIor(Reranging):
+    """An index of refraction as it is; 1.5 where it is NaN or not positive."""
+
+    @property
+    def formula(self) -> str:
+        """The replacement."""
+        return "x > 0: x, otherwise 1.5"
+
+    def forward(self, values: np.ndarray) -> np.ndarray:
+        """n, or 1.5."""
+        values = np.asarray(values, np.float64)
+        return np.where(values > 0, values, DEFAULT_IOR)
+
+    def inverse(self, values: np.ndarray) -> np.ndarray:
+        """n."""
+        return np.asarray(values, np.float64)
+
+    def count(self, values: np.ndarray) -> Counts:
+        """Texels that became 1.5."""
+        return Counts(replaced=texels(~(np.asarray(values) > 0)))
+
+
+@dataclass(frozen=True)
+class ThroughRgbe(Reranging):
+    """x held as RGBE on the way: 8 bits a channel below one common exponent (Ward, Graphics Gems II, 1991).
+
+    With 2^(e-1) <= max < 2^e, each channel is floor(256 x / 2^e) / 256 · 2^e: it loses less than 2^-7 of the largest.
+    """
+
+    @property
+    def formula(self) -> str:
+        """The rounding."""
+        return "RGBE(x)"
+
+    def forward(self, values: np.ndarray) -> np.ndarray:
+        """The numbers RGBE holds, never above x; below 1e-32 it holds 0."""
+        values = np.maximum(np.asarray(values, np.float64), 0.0)
+        largest = values.max(axis=-1, keepdims=True)
+        step = np.ldexp(1.0, np.frexp(largest)[1] - 8)
+        return np.where(largest >= 1e-32, np.floor(values / step) * step, 0.0)
+
+    def inverse(self, values: np.ndarray) -> np.ndarray:
+        """x: what was rounded is lost."""
+        return np.asarray(values, np.float64)

@@ -93,16 +93,13 @@ class TextureRow:
         return next((choice for choice in self.choices[channels] if choice.format == format), None)
 
     def stored_choices(self, channels: int) -> tuple[FormatChoice, ...]:
-        """The choices that store so many channels; a normal of three may be stored as two."""
-        found = self.choices.get(channels, ())
-        packed = (
+        """The choices that store data in so many channels; a normal of three may be stored as two."""
+        return tuple(
             choice
             for given, choices in self.choices.items()
-            if given > channels
             for choice in choices
-            if format_named(choice.format).channels == channels
+            if min(given, format_named(choice.format).channels) == channels
         )
-        return (*found, *packed)
 
 
 class ValueType(enum.Enum):

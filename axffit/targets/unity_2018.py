@@ -40,3 +40,4 @@ def _prepare(material: AxfMaterial) -> Prepared:
 ENGINE = Engine(TABLES, prepare=_prepare)
 pack, unpack, validate, reading = ENGINE.pack, ENGINE.unpack, ENGINE.validate, ENGINE.reading
 texture_name, default_values = ENGINE.texture_name, ENGINE.default_values
+values_of, scale_of = ENGINE.values_of, ENGINE.scale_of

@@ -151,7 +151,7 @@ class SignedAngle(Reranging):
     @property
     def formula(self) -> str:
         """The offset and scale."""
-        half = "pi" if self.half_range == np.pi else f"{self.half_range:.6g}"
+        half = {np.pi: "pi", np.pi / 2: "(pi/2)"}.get(self.half_range, f"{self.half_range:.6g}")
         return f"0.5 (1 + x / {half})"
 
     def forward(self, values: np.ndarray) -> np.ndarray:
