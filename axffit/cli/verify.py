@@ -27,8 +27,9 @@ Exit codes
   2  unusable input
 
 \b
-Example
+Examples
   axffit verify steel.axf --html report.html --json verdict.json
+  axffit verify steel.axf --packed-for unity_2018 --read-by hdrp_10
 """
 
 
@@ -43,6 +44,8 @@ def run(
     material_file: Path,
     *,
     target: str = "unity_2018",
+    packed_for: str | None = None,
+    read_by: str | None = None,
     tolerance: Path | None = None,
     material: str | None = None,
     progress: ProgressCallback | None = None,
@@ -52,6 +55,8 @@ def run(
     Args:
         material_file: an .axf file.
         target: the importer whose formats and re-rangings the textures go through.
+        packed_for: the importer, where it is another engine's than the shader; None takes ``target``.
+        read_by: the engine whose shader reads the textures; None takes ``target``.
         tolerance: a TOML file of tolerances; None takes those of the package.
         material: the material's id; needed where the file holds several.
         progress: called with what is being done and how much of it is (0 to 1).
@@ -62,13 +67,20 @@ def run(
     from axffit import axf, quantization
 
     chosen = axf.read(material_file).material(material)
-    return Verified(quantization.verify(chosen, target, tolerance, progress=progress), chosen)
+    verdict = quantization.verify(chosen, target, tolerance, packed_for=packed_for, read_by=read_by, progress=progress)
+    return Verified(verdict, chosen)
 
 
 def command(
     material_file: Annotated[Path, typer.Argument(metavar="MATERIAL.axf", help="The material to verify.")],
     *,
     target: Annotated[str, typer.Option(metavar="NAME", help="Importer to verify for.")] = "unity_2018",
+    packed_for: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Importer that packs, if not that of --target.")
+    ] = None,
+    read_by: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Engine whose shader reads, if not that of --target.")
+    ] = None,
     tolerance: Annotated[
         Path | None, typer.Option(metavar="FILE.toml", help="Tolerances; without it those of axffit.")
     ] = None,
@@ -79,7 +91,9 @@ def command(
     """The verb as typer calls it; see `HELP`."""
     check_outputs([json, html], [material_file])
     with progress_on_stderr() as progress:
-        verified = run(material_file, target=target, tolerance=tolerance, material=material, progress=progress)
+        engines = {"packed_for": packed_for, "read_by": read_by}
+        chosen = {"target": target, "tolerance": tolerance, "material": material}
+        verified = run(material_file, **engines, **chosen, progress=progress)
         content = verified.verdict.to_json()
         results: Results = {}
         if json is not None:
@@ -88,7 +102,7 @@ def command(
             from axffit import report
 
             progress("drawing the page", 0.0)
-            options = {"target": target, "tolerance": tolerance, "material": material}
+            options = {**{name.replace("_", "-"): name_of for name, name_of in engines.items()}, **chosen}
             made_by = report.Run(_options.command_line("verify", [material_file], options))
             results[html] = report.verify_page([report.VerifiedMaterial(*verified)], made_by).html
     write_all(results)

@@ -55,10 +55,12 @@ class TextureVerdict:
     Attributes:
         packed: the packed texture.
         measures: statistics and limit of each measure, the one of the picture first.
+        reading: what the shader reads it as the inverse of, as a formula.
     """
 
     packed: PackedTexture
     measures: tuple[tuple[Statistics, Check], ...]
+    reading: str
 
     @property
     def within(self) -> bool:
@@ -75,6 +77,7 @@ class TextureVerdict:
             "format": packed.format,
             "rounding": packed.rounding,
             "transform": packed.transform,
+            "reading": self.reading,
             "shape": [int(size) for size in packed.levels[0].shape[:-1]],
             "levels": len(packed.levels),
             "bytes": packed.size_bytes,
@@ -158,7 +161,8 @@ class Verdict:
         id: the material's id.
         name: the material's name.
         kind: "SVBRDF" or "CarPaint2".
-        target: name of the target.
+        target: name of the target whose shader reads.
+        packed_for: name of the target whose importer packed; the same one as a rule.
         textures: one entry a texture.
         lut: the slice table of a car paint with flakes, or None.
         brdf: the BRDF level.
@@ -173,6 +177,7 @@ class Verdict:
     name: str
     kind: str
     target: str
+    packed_for: str
     textures: tuple[TextureVerdict, ...]
     lut: LutVerdict | None
     brdf: BrdfVerdict
@@ -207,7 +212,8 @@ class Verdict:
         """One line for people."""
         failures = self.failures()
         outcome = "within tolerance" if not failures else f"outside tolerance ({len(failures)}): {failures[0]}"
-        return f"{self.id} for {self.target}: {len(self.textures)} textures, {outcome}"
+        engines = self.target if self.target == self.packed_for else f"{self.packed_for}, read by {self.target}"
+        return f"{self.id} for {engines}: {len(self.textures)} textures, {outcome}"
 
     def to_json(self) -> dict[str, Any]:
         """The whole verdict without the pictures; validates against `schema`."""
@@ -217,6 +223,7 @@ class Verdict:
             "axffit_version": __version__,
             "material": {"id": self.id, "name": self.name, "kind": self.kind},
             "target": self.target,
+            "packed_for": self.packed_for,
             "within": self.within,
             "summary": self.summary(),
             "failures": list(self.failures()),

@@ -11,6 +11,8 @@ import numpy as np
 from ..axf import AxfMaterial, AxfTexture, MaterialKind
 from ..errors import InputError
 from ..targets import PackedMaterial, PackedTexture, Problem, target_named
+from ..targets.encoding import decode_rows
+from . import mismatch
 from .brdf_error import brdf_errors
 from .maps import MapErrors, map_errors
 from .measures import has_color_science
@@ -31,8 +33,10 @@ def verify(
     target: str = "unity_2018",
     tolerance: Tolerances | Path | str | None = None,
     *,
+    packed_for: str | None = None,
+    read_by: str | None = None,
     formats: Mapping[str, str] | None = None,
-    rounding: str = "nearest_even",
+    rounding: str | None = None,
     progress: Progress | None = None,
 ) -> Verdict:
     """What a target's textures lose of a material, and whether that is within tolerance.
@@ -41,19 +45,22 @@ def verify(
         material: the material, in AxF's ranges.
         target: name of the target (`targets.TARGETS`).
         tolerance: limits, or a TOML file of limits; None takes those of the package.
+        packed_for: the target whose importer packs, where it is another one; None takes ``target``.
+        read_by: the target whose shader reads, where it is another one; None takes ``target``.
         formats: AxF texture name to a number format other than the advised one.
-        rounding: rounding mode of the encoders.
+        rounding: rounding mode of the encoders; None takes the target's own.
         progress: called with what is being done and how much of it is (0 to 1).
 
     Raises:
         InputError: an unknown target, an unusable tolerance file or material, a format that is not allowed.
     """
-    module = target_named(target)
+    packer, reader = target_named(packed_for or target), read_by or target
+    target_named(reader)
     tolerances = _tolerances(tolerance)
     report = progress or (lambda stage, fraction: None)
     report("packing textures", 0.0)
-    packed = module.pack(material, formats=formats, rounding=rounding)
-    return verify_packed(material, packed, tolerances, progress=progress)
+    packed = packer.pack(material, formats=formats, rounding=rounding)
+    return verify_packed(material, packed, tolerances, read_by=reader, progress=progress)
 
 
 def verify_packed(
@@ -61,6 +68,7 @@ def verify_packed(
     packed: PackedMaterial,
     tolerances: Tolerances | None = None,
     *,
+    read_by: str | None = None,
     progress: Progress | None = None,
 ) -> Verdict:
     """The same for a material that someone packed: every texture is read as the target's shader would read it.
@@ -69,29 +77,40 @@ def verify_packed(
         material: the original.
         packed: its textures and values for a target.
         tolerances: limits; None takes those of the package.
+        read_by: the target whose shader reads; None takes the one it was packed for.
         progress: as in `verify`.
 
     Raises:
-        InputError: the packed material's target is unknown.
+        InputError: a target is unknown.
     """
-    module = target_named(packed.target)
+    packer, module = target_named(packed.target), target_named(read_by or packed.target)
+    foreign = module is not packer
+    defaults = {t.axf_name: packer.default_values(t.name) for t in packed.textures.values() if t.defaulted}
+    packed = mismatch.read_by(material, packed, module.NAME) if foreign else packed
     tolerances = tolerances or default_tolerances()
     report = progress or (lambda stage, fraction: None)
-    problems = [*module.validate(packed), *_lost(material, packed)]
+    broken = module.validate(packed)
+    problems = [*(mismatch.reader_problems(broken, packed) if foreign else broken), *_lost(material, packed)]
     unreadable = {problem.subject for problem in problems if problem.obligation.startswith("texture.")}
     errors: dict[str, MapErrors] = {}
     readable = [t for t in packed.textures.values() if t.name not in unreadable and t.axf_name != "thetaFI_sliceLUT"]
     for number, texture in enumerate(readable):
         report("measuring map errors", number / len(readable))
-        original = _original(material, texture, module)
+        original = _original(material, texture, defaults)
         errors[texture.name] = map_errors(original, texture, module.reading(texture, packed.values))
     report("measuring map errors", 1.0)
+    textures = tuple(
+        _texture_verdict(t, module.reading(t, packed.values).formula, errors[t.name], tolerances) for t in readable
+    )
+    if foreign:
+        problems.extend(mismatch.misread(textures, packer.NAME, module.NAME))
     return Verdict(
         id=material.id,
         name=material.name,
         kind=material.kind.value,
-        target=packed.target,
-        textures=tuple(_texture_verdict(t, errors[t.name], tolerances) for t in readable),
+        target=module.NAME,
+        packed_for=packer.NAME,
+        textures=textures,
         lut=_lut_verdict(material, packed, module, tolerances),
         brdf=_brdf_verdict(material, packed, module, errors, tolerances, report),
         problems=tuple(problems),
@@ -132,23 +151,25 @@ def _lost(material: AxfMaterial, packed: PackedMaterial) -> Iterator[Problem]:
             yield Problem("texture.shape", name, f"levels of {shapes}; AxF has {wanted}: keep every level and its size")
 
 
-def _original(material: AxfMaterial, texture: PackedTexture, module: ModuleType) -> AxfTexture:
-    """AxF's texture; for a default the constant it stands for, in float64."""
+def _original(material: AxfMaterial, texture: PackedTexture, defaults: Mapping[str, np.ndarray]) -> AxfTexture:
+    """AxF's texture; for a default the constant its packer meant, in float64."""
     if not texture.defaulted:
         return material.textures[texture.axf_name]
-    values = module.default_values(texture.name)[: texture.channels]
-    values = np.resize(values, texture.channels)
+    values = defaults[texture.axf_name]
     return AxfTexture(tuple(np.broadcast_to(values, (*level.shape[:-1], values.size)) for level in texture.levels))
 
 
-def _texture_verdict(packed: PackedTexture, errors: MapErrors, tolerances: Tolerances) -> TextureVerdict:
+def _texture_verdict(packed: PackedTexture, reading: str, errors: MapErrors, tolerances: Tolerances) -> TextureVerdict:
     measures = []
     for statistics in errors.statistics:
         name = f"textures.{packed.axf_name}.{statistics.measure}"
         tolerance = tolerances.get(name)
         value = statistics.value(tolerance.statistic if tolerance is not None else "max")
         measures.append((statistics, Check(name, value, tolerance)))
-    return TextureVerdict(packed, tuple(measures))
+    return TextureVerdict(packed, tuple(measures), reading)
+
+
+_HALF_DECODE = "half texel, float32 product"
 
 
 def _lut_verdict(
@@ -158,18 +179,20 @@ def _lut_verdict(
     table = next((t for t in packed.textures.values() if t.axf_name == "thetaFI_sliceLUT"), None)
     if wanted is None or table is None:
         return None
-    codes = table.levels[0].reshape(-1)[: len(wanted)]
-    seen = np.resize(codes.astype(np.int64), len(wanted)) if codes.size else np.full(len(wanted), -1)
+    found = decode_rows(table.levels[0], module.reading(table, packed.values), table.number_format, 1).reshape(-1)
+    entries = np.rint(found[: len(wanted)]).astype(np.int64)
+    seen = np.resize(entries, len(wanted)) if entries.size else np.full(len(wanted), -1)
     content = lut_json(np.asarray(wanted))
     wrong = {int(k) for k in wanted[seen != wanted]}
-    integer = table.number_format.is_integer
+    form = table.number_format
+    held = "R8_UINT" if form.is_integer else _HALF_DECODE if form.is_float else "float32"
     lost = {
         rounding: {
             k
             for reading in content["readings"]
             if reading["rounding"] == rounding
-            and (reading["decode"] == "R8_UINT") == integer
-            and (rounding == "rounded" or reading["decode"] in ("float32", "R8_UINT"))
+            and (reading["decode"] == "R8_UINT") == form.is_integer
+            and (rounding == "rounded" or reading["decode"] == held)
             for k in reading["failures_used"]
         }
         for rounding in ("truncated", "rounded")
