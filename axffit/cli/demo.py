@@ -103,7 +103,7 @@ def run(folder: Path, *, size: int = 512, quick: bool = False, progress: Progres
     size = 64 if quick else size
     materials = folder / "materials"
     say("generating materials", 0.0)
-    synthesis.generate(materials, size=size)
+    synthesis.generate(materials, size=size, packages=(*MATERIALS, PAINT.file.parent.name))
 
     verified = []
     for name in MATERIALS:

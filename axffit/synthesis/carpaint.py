@@ -1,10 +1,13 @@
 """Synthetic car paints: a metallic one as an AxF material, and a colorless one whose parameters a fit must recover."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from .. import brdf
 from ..axf import AxfMaterial, AxfTexture, MaterialKind
 from .flakes import BINS, FlakeRecipe, flake_stack
+from .material import SEED, labels
 from .noise import fractal_noise, normal_noise, unit_grid, unit_vectors
 
 TABLE_SIZE = 64
@@ -23,49 +26,101 @@ FLAKE_TEXEL_MM = 0.03
 """Side of a texel of the flakes: about the diameter of one."""
 
 
-def metallic_paint(size: int = 64, seed: int = 20180608) -> AxfMaterial:
+@dataclass(frozen=True)
+class PaintRecipe:
+    """What a paint is made of; lobes as in `brdf.CarPaint`.
+
+    Attributes:
+        id: of the material; also the name of the function that makes it.
+        name: to show to people, without the note that it is synthetic.
+        table: chi (H, W, 3) over (theta_d, theta_h).
+        diffuse: diffuse weight.
+        coefficients: weight of each lobe.
+        f0s: F0 of each lobe.
+        spreads: Beckmann roughness of each lobe.
+        flakes: what the flakes are like, or None for a solid paint.
+        flakes_part: texels of the coat's normal map a texel of the flakes, along each side.
+        peel: largest slope of the coarsest orange peel.
+    """
+
+    id: str
+    name: str
+    table: np.ndarray
+    diffuse: float = DIFFUSE
+    coefficients: tuple[float, ...] = COEFFICIENTS
+    f0s: tuple[float, ...] = F0S
+    spreads: tuple[float, ...] = SPREADS
+    flakes: FlakeRecipe | None = None
+    flakes_part: int = 4
+    peel: float = 0.008
+
+
+def paint(recipe: PaintRecipe, size: int, seed: int) -> AxfMaterial:
+    """A paint under a refracting coat as an AxF material: lobes, color table, flakes with mip levels, coat maps.
+
+    Args:
+        recipe: what it is made of.
+        size: texels along each side of the coat's normal map.
+        seed: of the noise.
+    """
+    rng = np.random.Generator(np.random.PCG64(seed))
+    u, v = unit_grid(size)
+    peel = [recipe.peel * fractal_noise(rng, u, v, (5, 5), octaves=3, size=size) for _ in range(2)]
+    textures = {"brdfcolors": AxfTexture((recipe.table.astype(np.float32),))}
+    properties: dict[str, object] = {
+        "CT_diffuse": recipe.diffuse,
+        "CT_coeffs": recipe.coefficients,
+        "CT_F0s": recipe.f0s,
+        "CT_spreads": recipe.spreads,
+    }
+    if recipe.flakes is not None:
+        side = size // recipe.flakes_part
+        extent = FLAKE_TEXEL_MM * side
+        flakes = flake_stack(rng, side, extent, recipe.flakes)
+        textures["btfflakes"] = AxfTexture(flakes.levels, extent, extent)
+        properties |= {"num_thetaF": BINS, "num_thetaI": BINS, "max_thetaI": BINS, "thetaFI_sliceLUT": flakes.lut}
+    textures |= {
+        "clearcoatnormal": AxfTexture((unit_vectors(*peel).astype(np.float32),), 20.0, 20.0),
+        "clearcoatior": AxfTexture((np.full((1, 1, 1), IOR, np.float32),)),
+        "clearcoatcolor": AxfTexture((np.ones((1, 1, 3), np.float32),)),
+    }
+    return AxfMaterial(
+        id=recipe.id,
+        name=f"{recipe.name} (synthetic)",
+        kind=MaterialKind.CAR_PAINT,
+        specular_model="CookTorrance",
+        fresnel_variant="Schlick1994",
+        textures=textures,
+        properties=properties | {"IOR": IOR, "cc_no_refraction": 0},
+        metadata=labels(recipe.id, size, seed),
+    )
+
+
+def metallic_paint(size: int = 64, seed: int = SEED) -> AxfMaterial:
     """A blue metallic paint as an AxF material: three lobes, color table, flakes with mip levels, coat maps.
 
     Args:
         size: texels along each side of the coat's normal map; the flakes take half of it.
         seed: of the noise.
     """
-    rng = np.random.Generator(np.random.PCG64(seed))
-    u, v = unit_grid(size)
-    peel = [0.008 * fractal_noise(rng, u, v, (5, 5), octaves=3, size=size) for _ in range(2)]
-    extent = FLAKE_TEXEL_MM * (size // 2)
-    flakes = flake_stack(rng, size // 2, extent, FlakeRecipe(color=(0.75, 0.9, 1.15), strength=0.12))
-    textures = {
-        "brdfcolors": AxfTexture((flop_table().astype(np.float32),)),
-        "btfflakes": AxfTexture(flakes.levels, extent, extent),
-        "clearcoatnormal": AxfTexture((unit_vectors(*peel).astype(np.float32),), 20.0, 20.0),
-        "clearcoatior": AxfTexture((np.full((1, 1, 1), IOR, np.float32),)),
-        "clearcoatcolor": AxfTexture((np.ones((1, 1, 3), np.float32),)),
-    }
-    return AxfMaterial(
-        id="metallic_paint",
-        name="Blue metallic paint (synthetic)",
-        kind=MaterialKind.CAR_PAINT,
-        specular_model="CookTorrance",
-        fresnel_variant="Schlick1994",
-        textures=textures,
-        properties={
-            "CT_diffuse": DIFFUSE,
-            "CT_coeffs": COEFFICIENTS,
-            "CT_F0s": F0S,
-            "CT_spreads": SPREADS,
-            "num_thetaF": BINS,
-            "num_thetaI": BINS,
-            "max_thetaI": BINS,
-            "thetaFI_sliceLUT": flakes.lut,
-            "IOR": IOR,
-            "cc_no_refraction": 0,
-        },
-        metadata={
-            "synthetic": "yes: made by axffit's seeded generator, not measured",
-            "generator": f"axffit.synthesis.metallic_paint, size {size}, seed {seed}",
-        },
-    )
+    flakes = FlakeRecipe(color=(0.75, 0.9, 1.15), strength=0.12)
+    recipe = PaintRecipe("metallic_paint", "Blue metallic paint", flop_table(), flakes=flakes, flakes_part=2)
+    return paint(recipe, size, seed)
+
+
+def half_difference_grid(size: int) -> tuple[np.ndarray, np.ndarray]:
+    """theta_h and theta_d (size, size) of a color table's texels: column and row k at (k + 1/2) 90° / size."""
+    theta = (np.arange(size) + 0.5) * 0.5 * np.pi / size
+    theta_d, theta_h = np.meshgrid(theta, theta, indexing="ij")
+    return theta_h, theta_d
+
+
+def within_measurement(color: np.ndarray) -> np.ndarray:
+    """A color table with 0 where theta_h + theta_d > pi/2: one of the directions would be below the horizon."""
+    size = len(color)
+    theta_h, theta_d = half_difference_grid(size)
+    measurable = theta_h + theta_d <= 0.5 * np.pi + 0.5 * np.pi / size
+    return np.where(measurable[..., None], color, 0.0)
 
 
 def flop_table(size: int = TABLE_SIZE) -> np.ndarray:
@@ -74,8 +129,7 @@ def flop_table(size: int = TABLE_SIZE) -> np.ndarray:
     Column: theta_h, row: theta_d, texel k at (k + 1/2) 90° / size. Values exceed 1 face on, the red of the deep blue
     is slightly negative (outside the RGB gamut), and where theta_h + theta_d > pi/2 nothing can be measured: 0.
     """
-    theta = (np.arange(size) + 0.5) * 0.5 * np.pi / size
-    theta_d, theta_h = np.meshgrid(theta, theta, indexing="ij")
+    theta_h, theta_d = half_difference_grid(size)
     face = np.exp(-((theta_h / np.deg2rad(11.0)) ** 2))
     flop = 1.0 / (1.0 + np.exp(-(theta_h - np.deg2rad(38.0)) / np.deg2rad(6.0)))
     pale, deep, violet = np.array([0.62, 1.02, 1.75]), np.array([-0.03, 0.30, 1.18]), np.array([0.20, 0.12, 0.52])
@@ -84,8 +138,7 @@ def flop_table(size: int = TABLE_SIZE) -> np.ndarray:
     # Toward grazing the pigment's interference shifts to shorter waves and everything pales a little.
     graze = np.sin(theta_d) ** 2
     color = color * (1.0 + graze[..., None] * np.array([0.10, -0.12, 0.06])) + 0.05 * graze[..., None] ** 2
-    measurable = theta_h + theta_d <= 0.5 * np.pi + 0.5 * np.pi / size
-    return np.where(measurable[..., None], color, 0.0)
+    return within_measurement(color)
 
 
 def paint_model(material: AxfMaterial) -> brdf.ClearCoat:

@@ -14,8 +14,17 @@ from .. import axf
 from ..errors import InputError
 from ..measured import mbsdf
 from . import carpaint
-from .carbon import brushed_carbon
+from .carbon import brushed_carbon, carbon_twill
 from .carpaint import metallic_paint, paint_model, relative_noise
+from .fabrics import lace
+from .leathers import leather, patent_leather, perforated_leather
+from .metal import brushed_metal, hammered_copper, turned_brass
+from .paints import pearlescent, ruby_metallic, silver_metallic, solid_yellow
+from .variants import brushed_titanium, brushed_trim, carbon_trim, nappa_leather, seat_leather
+from .wood import lacquered_walnut
+
+Maker = Callable[[int], axf.AxfMaterial]
+"""A material from the texels along each side of its maps."""
 
 SIZES = (64, 512)
 """Sizes in texels that are made: 64 is committed, 512 is made when it is wanted."""
@@ -70,13 +79,25 @@ def generate(folder: str | os.PathLike, *, size: int = 64, packages: Collection[
     return tuple(written)
 
 
-def _material(make: Callable[[int], axf.AxfMaterial]) -> Callable[[Path, int], Iterator[Path]]:
-    """A package that is one .axf file of one material."""
+def _folder(version: tuple[int, int, int], *makers: Maker) -> Callable[[Path, int], Iterator[Path]]:
+    """A package of one file a material, each named as its material."""
+
+    def write(folder: Path, size: int) -> Iterator[Path]:
+        for make in makers:
+            material = make(size)
+            path = folder / f"{material.id}.axf"
+            axf.write(path, axf.AxfFile((material,), version=version))
+            yield path
+
+    return write
+
+
+def _one_file(version: tuple[int, int, int], *makers: Maker) -> Callable[[Path, int], Iterator[Path]]:
+    """A package of one file that is named as the package and holds several materials."""
 
     def write(folder: Path, size: int) -> Iterator[Path]:
         path = folder / f"{folder.name}.axf"
-        # A measured material of this kind would come from AxF 1.2 on, which has both representations.
-        axf.write(path, axf.AxfFile((make(size),), version=(1, 2, 0)))
+        axf.write(path, axf.AxfFile(tuple(make(size) for make in makers), version=version))
         yield path
 
     return write
@@ -114,23 +135,61 @@ def _truth() -> dict[str, object]:
     }
 
 
+_1_0, _1_1, _1_2, _1_3, _1_4, _1_5 = ((1, minor, 0) for minor in range(6))
+
 PACKAGES: Mapping[str, Package] = {
     package.name: package
     for package in (
         Package(
             "brushed_carbon",
             "anisotropic Ward SVBRDF: carbon-fiber weave with a brushed steel inlay under clear coat",
-            _material(brushed_carbon),
+            # AxF 1.2 is the first to have both representations.
+            _folder(_1_2, brushed_carbon),
         ),
         Package(
             "metallic_paint",
             "coated car paint: three lobes, color table, flakes with all mip levels",
-            _material(metallic_paint),
+            _folder(_1_2, metallic_paint),
         ),
         Package(
             "noisy_car_paint",
             "metallic_paint without its flakes, sampled with 1 % noise, and the true parameters",
             _noisy_car_paint,
+        ),
+        Package(
+            "AxFSvbrdf_1_0_Dir",
+            "AxF 1.0: Lambert and Ward without a Fresnel factor or a coat; leather, brushed aluminum",
+            _folder(_1_0, leather, brushed_metal),
+        ),
+        Package(
+            "AxFSvbrdf_1_1_Dir",
+            "AxF 1.1: Fresnel factor and refracting coat; woven carbon, walnut, uncoated leather",
+            _folder(_1_1, carbon_twill, lacquered_walnut, nappa_leather),
+        ),
+        Package(
+            "AxFSvbrdfNoRefract_1_3_Dir",
+            "AxF 1.3: a coat that does not refract; patent leather, engine-turned brass",
+            _folder(_1_3, patent_leather, turned_brass),
+        ),
+        Package(
+            "Volkswagen",
+            "three SVBRDF (seat, trim, woven carbon) and a car paint in one file",
+            _one_file(_1_2, seat_leather, brushed_trim, carbon_trim, ruby_metallic),
+        ),
+        Package(
+            "AxFCarPaintRefract_1_2_Dir",
+            "car paints under a refracting coat: silver metallic, solid yellow, pearlescent",
+            _folder(_1_2, silver_metallic, solid_yellow, pearlescent),
+        ),
+        Package(
+            "AxFSvbrdf_1_4",
+            "AxF 1.4: opacity and height; lace, perforated leather",
+            _folder(_1_4, lace, perforated_leather),
+        ),
+        Package(
+            "AxFSvbrdf_1_5",
+            "AxF 1.5: GGX, isotropic with a height and anisotropic; hammered copper, brushed titanium",
+            _folder(_1_5, hammered_copper, brushed_titanium),
         ),
     )
 }
