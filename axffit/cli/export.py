@@ -23,7 +23,7 @@ everything new is on the disk.
 \b
 Image files: OpenEXR (half, float), PNG (8 and 16 bits), DDS, KTX2 (anything,
 arrays and mip levels). auto takes EXR for floats, PNG for other formats, and
-DDS or KTX2 for arrays and mip levels.
+DDS for arrays and mip levels (PNG files or KTX2 where DDS has no code).
 
 \b
 Exit codes

@@ -128,11 +128,7 @@ def read(folder: Path, *, progress: Progress | None = None) -> AxfFile:
     for path in _described_folders(folder):
         described = parse(path / FILE)
         module = target_named(described.target)
-        try:
-            for name in described.stored:
-                module.default_values(name)  # refuses a texture that the target has not
-        except InputError as error:
-            raise InputError(f"{path / FILE}: {error}") from error
+        _check_names(path, described, module)
         material = _unpacked(path, module, _load_material(path, described, say))
         found.append((described.origin, material))
     found.sort(key=lambda pair: pair[0].index)
@@ -229,6 +225,17 @@ def _check_declared(folder: Path, described: Described) -> None:
         for shape in described.shapes[fields["name"]]
     )
     check_bytes(folder, declared, stored=sum((folder / name).stat().st_size for name in names), most=4 * MAXIMUM_BYTES)
+
+
+def _check_names(folder: Path, described: Described, module: ModuleType) -> None:
+    """Refuses, before any image is read, a texture that the target has not or makes from something else."""
+    for fields in described.textures:
+        name, axf_name = fields["name"], fields["axf_name"]
+        if module.texture_name(axf_name, described.fields["kind"]) != name:
+            raise InputError(
+                f"{folder / FILE}: {described.target} has no texture {name!r} made from {axf_name!r} for a "
+                f"{described.fields['kind'].value}; export the material again"
+            )
 
 
 def _unpacked(folder: Path, module: ModuleType, packed: PackedMaterial) -> AxfMaterial:

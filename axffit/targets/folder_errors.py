@@ -14,7 +14,7 @@ from .encoding import blocks
 
 @dataclass(frozen=True)
 class TextureError:
-    """Absolute errors of decode(encode(x)) against x over all levels and channels of a texture.
+    """Absolute errors of decode(encode(x)) against x over all channels and kept levels of a texture.
 
     Attributes:
         quantity: what was compared.
@@ -63,12 +63,13 @@ def _error(texture: PackedTexture, material: AxfMaterial, back: AxfMaterial) -> 
     before, after = _levels(material, key), _levels(back, key)
     if before is None or after is None:
         return f"the target made this texture from others; {key} does not come back as such"
-    if [level.shape for level in before] != [level.shape for level in after]:
+    kept = min(len(before), len(after))
+    if [level.shape for level in before[:kept]] != [level.shape for level in after[:kept]]:
         return f"the target changed the size or channels of {key}: it does not come back texel for texel"
     # An anisotropy axis is the same after half a turn.
     period = np.pi if key == "anisrotation" else None
     largest, total, compared, left_out = 0.0, 0.0, 0, 0
-    for old, new in zip(before, after, strict=True):
+    for old, new in zip(before[:kept], after[:kept], strict=True):
         for run, rows in blocks(old):
             found = new.reshape(-1, new.shape[-1])[run].astype(np.float64)
             used = np.isfinite(rows) & np.isfinite(found)
@@ -80,6 +81,8 @@ def _error(texture: PackedTexture, material: AxfMaterial, back: AxfMaterial) -> 
             compared += int(error.size)
             left_out += int(used.size - error.size)
     quantity = "|decode(encode(x)) - x|" + (" modulo pi" if period is not None else "")
+    if kept < len(before):
+        quantity += f" on {kept} of {len(before)} mip levels; the target has no others"
     mean = total / compared if compared else 0.0
     return TextureError(quantity, _unit(key, material), largest, mean, compared, left_out)
 

@@ -110,7 +110,7 @@ WRONG = {
     "a value of 400 digits": ((("values", "_CarPaint_IOR"), 10**400), "must fit 64 bits"),
     "an unknown texture": (((*TEXTURE, "name"), "_BumpMap"), "no texture '_BumpMap'"),
     "a texture twice": (((*TEXTURE, "name"), "_SVBRDF_ClearCoatNormalMap"), "share a name"),
-    "an unknown AxF name": ((("textures", 1, "axf_name"), "bump"), "unknown name 'bump'"),
+    "an unknown AxF name": ((("textures", 1, "axf_name"), "bump"), "made from 'bump'"),
     "an unknown format": (((*TEXTURE, "format"), "BC7"), "format is 'BC7'"),
     "five channels": (((*TEXTURE, "channels"), 5), "channels is 5"),
     "no levels": (((*TEXTURE, "levels"), []), "levels: each must be"),

@@ -79,7 +79,8 @@ def container_for(image: TextureImage, name: str = AUTO) -> Container:
     """The kind of file of that name, or for ``auto`` the usual one.
 
     Plain images go where people look at them: floats to EXR, UNORM and integers of 8 or 16 bits to PNG. Arrays and mip
-    levels go to DDS, formats that DDS has no code for to KTX2, levels that do not halve to EXR or PNG.
+    levels go to DDS; where DDS has no code, or levels do not halve, to PNG files of one level and slice each, to KTX2,
+    or to EXR, whichever holds them.
 
     Raises:
         InputError: there is no such kind, or it cannot store the image; the message names those that can.
@@ -88,7 +89,7 @@ def container_for(image: TextureImage, name: str = AUTO) -> Container:
         raise InputError(f"unknown image format {name!r}; allowed: {AUTO}, {', '.join(CONTAINERS)}")
     plain = not image.is_array and len(image.levels) == 1
     floats_or_codes = ("exr", "png") if image.number_format.is_float else ("png", "exr")
-    order = (*floats_or_codes, "dds", "ktx2") if plain else ("dds", "ktx2", *floats_or_codes)
+    order = (*floats_or_codes, "dds", "ktx2") if plain else ("dds", "png", "ktx2", "exr")
     able = [kind for kind in order if CONTAINERS[kind].suits(image)]
     if not able or name not in (AUTO, *able):
         shapes = ", ".join("x".join(map(str, level.shape[:-1])) for level in image.levels)

@@ -66,6 +66,7 @@ def test_the_issue_s_formats_are_held_where_it_asks_for_them():
         ("RGBA16F", {"slices": 2}, "dds"),
         ("RGBA16_UNORM", {"levels": 2}, "dds"),
         ("RGB16F", {"slices": 2}, "ktx2"),
+        ("RGB16_UNORM", {"slices": 2, "levels": 2}, "png"),
     ],
 )
 def test_auto_chooses_by_what_a_texture_is(format, shape, expected):
