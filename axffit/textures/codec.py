@@ -80,7 +80,8 @@ class ScalarCodec(ABC):
 
     def outside(self, values: np.ndarray) -> np.ndarray:
         """Where encoding must change a number because the format's range does not hold it (NaN included)."""
-        values = np.asarray(values)
+        # A half could not be compared with the ends of binary32.
+        values = np.asarray(values, dtype=np.float64)
         return ~((values >= self.lowest) & (values <= self.highest))
 
     def all_codes(self) -> np.ndarray:

@@ -72,7 +72,8 @@ class IeeeFloat(ScalarCodec):
     def decode(self, codes: np.ndarray) -> np.ndarray:
         """The numbers bit patterns stand for; exact in float64."""
         codes = np.ascontiguousarray(codes, dtype=self.code_type)
-        return codes.reshape(-1).view(self.float_type).reshape(codes.shape).astype(np.float64)
+        with np.errstate(invalid="ignore"):  # a signaling NaN, which a foreign file may hold, becomes a quiet one
+            return codes.reshape(-1).view(self.float_type).reshape(codes.shape).astype(np.float64)
 
     def error_bound(self, values: np.ndarray, rounding: str = "nearest_even") -> np.ndarray:
         """u / 2 or u of the class docstring, for each number."""

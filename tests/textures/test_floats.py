@@ -71,3 +71,12 @@ def test_single_keeps_every_half_and_every_single():
 
 def test_whole_numbers_are_taken_too():
     np.testing.assert_array_equal(HALF.decode(HALF.encode(np.array([1, 2, 2049]))), [1.0, 2.0, 2048.0])
+
+
+def test_a_signaling_nan_decodes_without_a_warning():
+    assert np.isnan(SINGLE.decode(np.array([0x7F800001], np.uint32))).all()
+
+
+def test_halves_are_compared_with_the_ends_of_single_precision():
+    assert not SINGLE.outside(np.array([1.0, -65504.0], np.float16)).any()
+    assert SINGLE.outside(np.array([np.nan, np.inf], np.float16)).all()
