@@ -18,7 +18,7 @@ def main() -> None:
     """Renders the spheres and sets them side by side."""
     with tempfile.TemporaryDirectory() as folder:
         packages = Path(folder)
-        synthesis.generate(packages, size=512)
+        synthesis.generate(packages, size=512, packages=("brushed_carbon", "noisy_car_paint"))
         carbon = axf.read(packages / "brushed_carbon" / "brushed_carbon.axf").material()
         samples_file = packages / "noisy_car_paint" / "noisy_car_paint.mbsdf"
         table, samples = mbsdf.interpolant(samples_file), measured.read(samples_file)
