@@ -107,7 +107,15 @@ main(sys.argv[1:])
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no limit on file sizes on Windows")
-@pytest.mark.parametrize(("kind", "limit"), [("auto", 20_000), ("exr", 9_000), ("dds", 5_000), ("ktx2", 30_000)])
+@pytest.mark.parametrize(
+    ("kind", "limit"),
+    [
+        ("auto", 20_000),
+        pytest.param("exr", 9_000, marks=pytest.mark.slow),
+        pytest.param("dds", 5_000, marks=pytest.mark.slow),
+        pytest.param("ktx2", 30_000, marks=pytest.mark.slow),
+    ],
+)
 def test_a_full_disk_leaves_what_was_there(kind, limit, tmp_path):
     out = tmp_path / "out"
     assert dispatch(["export", str(SVBRDF), "--out", str(out)]) == 0

@@ -63,14 +63,16 @@ def run_child(out: Path, step: int) -> subprocess.CompletedProcess:
     return subprocess.run(command, capture_output=True, text=True, check=False, cwd=Path(__file__).parents[2])
 
 
+# Of an export over an earlier one: 17 textures written, 22 files and folders made durable, 2 exchanges, 1 last flush.
+STEPS = 42
+
+
 def check_killed(folder_of_test: Path, steps: list[int]) -> None:
     """Kills exports at steps, negative ones counted from the end, and looks at what they leave."""
     after = folder_of_test / "after"
-    folder.write(FILE, after)
-    finished = run_child(after, -1)
-    assert finished.returncode == 0, finished.stderr
-    total = int(finished.stdout.split()[-1])
+    folder.write(changed(), after)
     expected = content_of(after)
+    total = STEPS
     for step in steps:
         out = folder_of_test / f"killed at {step}"
         folder.write(FILE, out)
@@ -99,12 +101,15 @@ needs_kill = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKI
 
 @needs_kill
 def test_a_killed_export_leaves_what_was_there(tmp_path):
-    check_killed(tmp_path, [10, -2])
+    check_killed(tmp_path, [-2])
 
 
 @needs_kill
 @pytest.mark.slow
 def test_an_export_killed_anywhere_leaves_what_was_there(tmp_path):
+    folder.write(FILE, tmp_path / "finished")
+    finished = run_child(tmp_path / "finished", -1)
+    assert finished.stdout.split()[-1:] == [str(STEPS)], finished.stderr
     check_killed(tmp_path, [*range(0, 40, 4), -3, -1])
 
 
