@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import __version__
 from .material import AxfFile, AxfMaterial, AxfTexture, MaterialKind
+from .profiles import minimum_version, profiles
 from .ranges import TEXTURE_RANGES, Outside
 from .validation import problems
 
@@ -33,6 +34,7 @@ def describe(file: AxfFile) -> dict[str, Any]:
         "axf_version": list(file.version),
         "inferred": list(file.inferred),
         "unrecognized": list(file.unrecognized),
+        "kept": [extra.path for extra in file.extras],
         "materials": [describe_material(material) for material in file.materials],
     }
 
@@ -48,6 +50,15 @@ def describe_material(material: AxfMaterial) -> dict[str, Any]:
         "textures": {key: describe_texture(key, texture) for key, texture in material.textures.items()},
         "properties": {key: _plain(value) for key, value in material.properties.items()},
         "metadata": dict(material.metadata),
+        "previews": {path: list(picture.shape) for path, picture in material.previews.items()},
+        "representation": material.representation,
+        "alternatives": [describe_material(entry) for entry in material.alternatives],
+        "profiles": [
+            {"profile": each.profile, "version": each.version, "obstacles": list(each.obstacles)}
+            for each in profiles(material)
+        ],
+        "minimum_version": None if (least := minimum_version(material)) is None else list(least),
+        "kept": [extra.path for extra in material.extras],
         "inferred": list(material.inferred),
         "unrecognized": list(material.unrecognized),
         "problems": list(problems(material)),
@@ -58,10 +69,12 @@ def describe_texture(key: str, texture: AxfTexture) -> dict[str, Any]:
     """One texture, JSON-ready.
 
     Counts are of values, over all channels of the finest level: ``negative``, ``nan``, ``infinite``, and
-    ``outside`` of the range that AxF gives the quantity. Smallest, largest and mean value are those of each channel's
+    ``outside`` of the range that AxF gives the quantity; of a spectrum that was not converted they are of the
+    spectra. Smallest, largest and mean value are those of each channel's
     finite values, None where there is none.
     """
-    data, legal = texture.data, TEXTURE_RANGES[key]
+    data = texture.data if texture.levels else texture.spectra[0]
+    legal = TEXTURE_RANGES[key]
     values = data.reshape(-1, data.shape[-1]).astype(np.float64)
     finite = np.where(np.isfinite(values), values, np.nan)
     channels = [column[~np.isnan(column)] for column in finite.T]
@@ -70,8 +83,9 @@ def describe_texture(key: str, texture: AxfTexture) -> dict[str, Any]:
         "type": data.dtype.name,
         "size": [int(n) for n in data.shape[-3:-1][::-1]] if data.ndim > 2 else None,
         "slices": int(data.shape[0]) if data.ndim == 4 else None,
-        "levels": len(texture.levels),
-        "channels": texture.channels,
+        "levels": len(texture.stored),
+        "channels": int(data.shape[-1]),
+        "spectrum": _spectrum(texture),
         "width_mm": _number(texture.width_mm),
         "height_mm": _number(texture.height_mm),
         "constant": bool(texture.is_constant),
@@ -85,6 +99,18 @@ def describe_texture(key: str, texture: AxfTexture) -> dict[str, Any]:
         "range": str(legal),
         "outside": int(np.count_nonzero(legal.beyond(values))),
         "outside_means": "refused" if legal.outside is Outside.ERROR else "counted",
+    }
+
+
+def _spectrum(texture: AxfTexture) -> dict[str, Any] | None:
+    if not texture.spectra:
+        return None
+    wavelengths = texture.wavelengths
+    return {
+        "channels": int(texture.spectra[0].shape[-1]),
+        "wavelengths_nm": None if wavelengths is None else [_number(each) for each in wavelengths],
+        "converted": bool(texture.levels),
+        "unconverted": texture.unconverted or None,
     }
 
 

@@ -9,17 +9,23 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import h5py
+import h5py.h5a
 import h5py.h5l
 import h5py.h5o
 import h5py.h5s
 import numpy as np
 
 from ..errors import InputError
+from .extras import AxfExtra, Kind, kept
 
 MAXIMUM_BYTES = 4 * 2**30
 """Declared bytes of one dataset above which it is refused: four times the largest flake stack ever seen."""
+
+MAXIMUM_KEPT = 4 * 2**30
+"""Bytes of a file's nodes that were not understood, above which the others are listed and not kept."""
 
 MAXIMUM_NODES = 100_000
 """Links of a file above which it is refused."""
@@ -44,6 +50,7 @@ class Leaf:
         shape: its extent, or None for an empty one.
         dtype: its numpy type.
         load: reads the raw value.
+        keep: reads it as it is stored, to be written back.
         attribute: whether it is an attribute.
     """
 
@@ -51,6 +58,7 @@ class Leaf:
     shape: tuple[int, ...] | None
     dtype: np.dtype
     load: Callable[[], object] = field(repr=False)
+    keep: Callable[[], AxfExtra] = field(repr=False)
     attribute: bool = False
 
     @property
@@ -64,6 +72,16 @@ class Leaf:
     def name(self) -> str:
         """The last part of the path."""
         return self.parts[-1]
+
+    @property
+    def line(self) -> str:
+        """What is said about it where it was not used."""
+        return self.path
+
+    @property
+    def size(self) -> int:
+        """Bytes that its values take."""
+        return 0 if self.shape is None else math.prod(self.shape) * self.dtype.itemsize
 
     @property
     def is_number(self) -> bool:
@@ -107,19 +125,43 @@ class Leaf:
 
 
 @dataclass(frozen=True)
+class Unread:
+    """What is no leaf with a value: a link that was not followed, an empty group, a type that numpy has not.
+
+    Attributes:
+        parts: the names from the root to it.
+        what: what it is, for people.
+        keep: reads it as it is stored, to be written back.
+        size: bytes that its values take.
+        attribute: whether it is an attribute.
+    """
+
+    parts: tuple[str, ...]
+    what: str
+    keep: Callable[[], AxfExtra] = field(repr=False)
+    size: int = 0
+    attribute: bool = False
+
+    @property
+    def line(self) -> str:
+        """What is said about it."""
+        at = "/" + "/".join(self.parts[:-1]) + "@" + self.parts[-1] if self.attribute else "/" + "/".join(self.parts)
+        return f"{printable(at)} ({self.what})"
+
+
+@dataclass(frozen=True)
 class Tree:
     """What a file holds.
 
     Attributes:
         leaves: every dataset and attribute.
         groups: every group, as the names from the root to it.
-        unread: what is none of these, was not followed or is an empty group: the names from the root to it, and a
-            line for people.
+        unread: everything else.
     """
 
     leaves: tuple[Leaf, ...]
     groups: tuple[tuple[str, ...], ...]
-    unread: tuple[tuple[tuple[str, ...], str], ...]
+    unread: tuple[Unread, ...]
 
 
 @contextlib.contextmanager
@@ -157,32 +199,32 @@ def walk(file: h5py.File) -> Tree:
     Raises:
         InputError: something reaches outside the file, is too large, too deep or too much, or is damaged.
     """
-    leaves: list[Leaf] = []
-    unread: list[tuple[tuple[str, ...], str]] = []
-    groups: list[tuple[str, ...]] = []
-    visited: set[int] = set()
+    found = _Found(file)
+    visited: dict[int, tuple[str, ...]] = {}
     pending: list[tuple[tuple[str, ...], h5py.Group]] = [((), file)]
+    parts: tuple[str, ...] = ()
     try:
         while pending:
             parts, group = pending.pop()
             address = h5py.h5o.get_info(group.id).addr
             if address in visited:
-                unread.append((parts, f"{_path(parts)} (a group that was met before)"))
+                first = "/" + "/".join(visited[address])
+                found.link(parts, "a group that was met before", "hard link", first)
                 continue
-            visited.add(address)
-            groups.append(parts)
+            visited[address] = parts
+            found.groups.append(parts)
             if len(parts) > MAXIMUM_DEPTH:
                 raise InputError(f"{_path(parts)}: nested deeper than {MAXIMUM_DEPTH} groups; flatten the file")
-            before = len(leaves) + len(unread)
-            leaves.extend(_attributes(parts, group))
+            before = found.count
+            found.attributes(parts, group)
             below = []
             # The low-level iterator: h5py's own stops at a name that is no UTF-8.
             for name in group.id:
-                _member((*parts, _decoded(name)), group, name, leaves, unread, below)
-                if len(leaves) + len(unread) + len(groups) + len(pending) + len(below) > MAXIMUM_NODES:
+                found.member((*parts, _decoded(name)), group, name, below)
+                if found.count + len(found.groups) + len(pending) + len(below) > MAXIMUM_NODES:
                     raise InputError(f"{_path(parts)}: more than {MAXIMUM_NODES} nodes; split the file")
-            if parts and not below and len(leaves) + len(unread) == before:
-                unread.append((parts, f"{_path(parts)} (an empty group)"))
+            if parts and not below and found.count == before:
+                found.link(parts, "an empty group", "group", "")
             pending.extend(reversed(below))
     except (OSError, RuntimeError, KeyError, TypeError, UnicodeError, MemoryError) as error:
         raise InputError(f"{_path(parts)}: damaged ({one_line(error)}); get a fresh copy of the file") from error
@@ -190,52 +232,95 @@ def walk(file: h5py.File) -> Tree:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{_path(parts)}: damaged ({one_line(error)}); get a fresh copy of the file") from error
-    return Tree(tuple(leaves), tuple(groups), tuple(unread))
+    return Tree(tuple(found.leaves), tuple(found.groups), tuple(found.unread))
 
 
-def _member(
-    parts: tuple[str, ...],
-    group: h5py.Group,
-    name: bytes,
-    leaves: list[Leaf],
-    unread: list[tuple[tuple[str, ...], str]],
-    below: list[tuple[tuple[str, ...], h5py.Group]],
-) -> None:
-    kind = group.id.links.get_info(name).type
-    if kind == h5py.h5l.TYPE_SOFT:
-        target = printable(_decoded(group.id.links.get_val(name)))
-        unread.append((parts, f"{_path(parts)} (soft link to {target}, not followed)"))
-        return
-    if kind != h5py.h5l.TYPE_HARD:
-        raise InputError(f"{_path(parts)}: external link to another file; store the data in this file")
-    node = group[name]
-    if isinstance(node, h5py.Group):
-        below.append((parts, node))
-    elif isinstance(node, h5py.Dataset):
-        leaves.extend(_attributes(parts, node))
-        try:
-            dtype = node.dtype
-        except TypeError:
-            unread.append((parts, f"{_path(parts)} (a type that has no counterpart in numpy)"))
+@dataclass
+class _Found:
+    """What the walk has met so far."""
+
+    file: h5py.File
+    leaves: list[Leaf] = field(default_factory=list)
+    unread: list[Unread] = field(default_factory=list)
+    groups: list[tuple[str, ...]] = field(default_factory=list)
+
+    @property
+    def count(self) -> int:
+        return len(self.leaves) + len(self.unread)
+
+    def link(self, parts: tuple[str, ...], what: str, kind: Kind, target: str) -> None:
+        self.unread.append(Unread(parts, what, lambda: AxfExtra(parts, kind, content=(target,))))
+
+    def member(
+        self,
+        parts: tuple[str, ...],
+        group: h5py.Group,
+        name: bytes,
+        below: list[tuple[tuple[str, ...], h5py.Group]],
+    ) -> None:
+        kind = group.id.links.get_info(name).type
+        if kind == h5py.h5l.TYPE_SOFT:
+            target = _decoded(group.id.links.get_val(name))
+            self.link(parts, f"soft link to {printable(target)}, not followed", "soft link", target)
+            return
+        if kind != h5py.h5l.TYPE_HARD:
+            raise InputError(f"{_path(parts)}: external link to another file; store the data in this file")
+        node = group[name]
+        if isinstance(node, h5py.Group):
+            below.append((parts, node))
+        elif isinstance(node, h5py.Dataset):
+            self.attributes(parts, node)
+            self.dataset(parts, node)
         else:
-            leaves.append(_dataset(parts, node, dtype))
-    else:
-        unread.append((parts, f"{_path(parts)} (a {type(node).__name__.lower()})"))
+            self.attributes(parts, node)
+            extra = AxfExtra(parts, "type", node.id.encode())
+            self.unread.append(Unread(parts, f"a {type(node).__name__.lower()}", lambda: extra))
+
+    def dataset(self, parts: tuple[str, ...], dataset: h5py.Dataset) -> None:
+        if dataset.is_virtual:
+            raise InputError(f"{_path(parts)}: virtual dataset; store the data itself in this file")
+        if dataset.external:
+            raise InputError(f"{_path(parts)}: data in an external file; store the data in this file")
+        itemsize = dataset.id.get_type().get_size()
+        shape = None if dataset.shape is None else tuple(dataset.shape)
+        _check_size(parts, dataset, itemsize)
+
+        def keep() -> AxfExtra:
+            return kept(parts, "dataset", dataset.id, file=self.file)
+
+        try:
+            dtype = dataset.dtype
+        except TypeError:
+            size = math.prod(shape or ()) * itemsize
+            self.unread.append(Unread(parts, "a type that has no counterpart in numpy", keep, size))
+        else:
+            self.leaves.append(Leaf(parts, shape, dtype, lambda: dataset[()], keep))
+
+    def attributes(self, parts: tuple[str, ...], node: Any) -> None:
+        for name in node.attrs:
+            raw = name if isinstance(name, bytes) else name.encode("utf-8", "surrogateescape")
+            identifier = h5py.h5a.open(node.id, raw)
+            shape = None if identifier.get_space().get_simple_extent_type() == h5py.h5s.NULL else identifier.shape
+            size = math.prod(shape or ()) * identifier.get_type().get_size()
+            at = (*parts, _decoded(name))
+            if size > _SMALL:
+                raise InputError(f"{_path(at)}: an attribute of {size / 2**20:.0f} MiB; store it as a dataset")
+
+            def keep(at: tuple[str, ...] = at, raw: bytes = raw) -> AxfExtra:
+                return kept(at, "attribute", h5py.h5a.open(node.id, raw), file=self.file)
+
+            try:
+                dtype = identifier.dtype
+            except TypeError:
+                self.unread.append(Unread(at, "a type that has no counterpart in numpy", keep, size, attribute=True))
+                continue
+            # An oversized attribute is never looked into, only kept.
+            dtype = np.dtype("V1") if size > MAXIMUM_TEXT else dtype
+            self.leaves.append(Leaf(at, shape, dtype, lambda name=name: node.attrs[name], keep, attribute=True))
 
 
-def _dataset(parts: tuple[str, ...], dataset: h5py.Dataset, dtype: np.dtype) -> Leaf:
-    if dataset.is_virtual:
-        raise InputError(f"{_path(parts)}: virtual dataset; store the data itself in this file")
-    if dataset.external:
-        raise InputError(f"{_path(parts)}: data in an external file; store the data in this file")
-    if dtype.kind in "iuf":
-        _check_size(parts, dataset)
-    shape = None if dataset.shape is None else tuple(dataset.shape)
-    return Leaf(parts, shape, dtype, lambda: dataset[()])
-
-
-def _check_size(parts: tuple[str, ...], dataset: h5py.Dataset) -> None:
-    declared = math.prod(dataset.shape or (0,)) * dataset.dtype.itemsize
+def _check_size(parts: tuple[str, ...], dataset: h5py.Dataset, itemsize: int) -> None:
+    declared = 0 if dataset.shape is None else math.prod(dataset.shape) * itemsize
     if declared > MAXIMUM_BYTES:
         raise InputError(
             f"{_path(parts)}: shape {dataset.shape} declares {declared / 2**30:.1f} GiB; "
@@ -246,7 +331,7 @@ def _check_size(parts: tuple[str, ...], dataset: h5py.Dataset) -> None:
             f"{_path(parts)}: shape {dataset.shape} declares {declared / 2**20:.0f} MiB but "
             f"{dataset.id.get_storage_size()} bytes are stored; store the data itself"
         )
-    chunk = math.prod(dataset.chunks or (0,)) * dataset.dtype.itemsize
+    chunk = math.prod(dataset.chunks or (0,)) * itemsize
     if chunk > max(_SMALL, declared):
         raise InputError(
             f"{_path(parts)}: chunks of {chunk / 2**20:.0f} MiB for {declared / 2**20:.0f} MiB of data; "
@@ -254,19 +339,9 @@ def _check_size(parts: tuple[str, ...], dataset: h5py.Dataset) -> None:
         )
 
 
-def _attributes(parts: tuple[str, ...], node: h5py.Group | h5py.Dataset) -> Iterator[Leaf]:
-    for name in node.attrs:
-        identifier = node.attrs.get_id(name)
-        shape = None if identifier.get_space().get_simple_extent_type() == h5py.h5s.NULL else identifier.shape
-        large = shape is not None and math.prod(shape) * identifier.dtype.itemsize > MAXIMUM_TEXT
-        # An oversized attribute stays in the list of unused nodes and is never loaded.
-        dtype = np.dtype("V1") if large else identifier.dtype
-        yield Leaf((*parts, _decoded(name)), shape, dtype, lambda name=name: node.attrs[name], attribute=True)
-
-
 def _decoded(name: str | bytes) -> str:
-    """A link's or attribute's name as text; h5py gives bytes where they are no UTF-8."""
-    return name.decode("utf-8", "backslashreplace") if isinstance(name, bytes) else str(name)
+    """A link's or attribute's name as text; bytes that are no UTF-8 become lone surrogates, and come back."""
+    return name.decode("utf-8", "surrogateescape") if isinstance(name, bytes) else str(name)
 
 
 def printable(text: str) -> str:

@@ -1,207 +1,90 @@
-"""From the sorted leaves of a material to the material: by its own description, or by what its content implies."""
+"""From the sorted leaves of a foreign material to the material: by what its content implies, all of it written down."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any, NoReturn, TypeVar
-
-import numpy as np
+from typing import Any, NoReturn
 
 from ..errors import InputError
 from . import layout
-from .gather import Candidate, Gathered
+from .gather import Gathered
 from .hdf5 import Leaf
 from .material import AxfMaterial, AxfTexture, MaterialKind
-from .names import DIFFUSE_MODELS, FILTERS, SPECULAR_MODELS, SPECULAR_VARIANTS, UNSUPPORTED, fold
+from .names import SPECULAR_VARIANTS, UNSUPPORTED, fold
 from .properties import PROPERTY_TYPES
-
-_Value = TypeVar("_Value")
-
-_CAR_PAINT_MARKS = ("CT_diffuse", "CT_coeffs", "CT_F0s", "CT_spreads", "thetaFI_sliceLUT")
+from .representations import CAR_PAINT_MARKS, Plan, choose, strings_of, unused
+from .resources import texture_of
 
 
-def interpret(gathered: Gathered, unread: Sequence[str], *, own: bool) -> tuple[int, AxfMaterial]:
-    """The material a group describes, and its place among the materials of the file.
+def inferred_material(gathered: Gathered, rest: list[Leaf]) -> AxfMaterial:
+    """The material, its chosen representation in front and the others as `alternatives`.
 
     Args:
-        gathered: the leaves of the group.
-        unread: lines about what of the group was not read.
-        own: whether axffit wrote the file, so that its own description holds.
+        gathered: the leaves of the material's group.
+        rest: takes the leaves that were not used.
 
     Raises:
-        InputError: the representation is one that is not supported, or a node has the wrong type.
+        InputError: no representation is one that is supported, or a node has the wrong type.
     """
-    rest = [leaf.path for leaf in gathered.rest] + list(unread)
-    inferred: list[str] = []
-    textures = _textures(gathered, rest, inferred)
-    if own and gathered.own:
-        index, material = _described(gathered, textures)
-        rest += _besides_own(gathered)
-    else:
-        rest += [leaf.path for leaf in gathered.own.values()]
-        index, material = 0, _inferred(gathered, textures, _properties(gathered, rest), inferred)
-        rest += _superfluous_strings(gathered)
-    return index, replace(material, inferred=tuple(inferred), unrecognized=tuple(rest))
+    rest += gathered.rest
+    rest += [leaf for own in gathered.own.values() for leaf in own.values()]
+    properties = _properties(gathered, rest)
+    if not gathered.textures and not properties:
+        _refuse(gathered)
+    plans = choose(gathered)
+    rest += [leaf for candidate in unused(gathered, plans) for leaf in candidate.leaves]
+    read: dict[str, tuple[AxfTexture, list[str]]] = {}
+    entries = []
+    for plan in plans:
+        textures, inferred = {}, []
+        for key, candidate in plan.candidates.items():
+            if candidate.node not in read:
+                said: list[str] = []
+                read[candidate.node] = texture_of(candidate, gathered.wavelengths, rest, said), said
+            textures[key] = read[candidate.node][0]
+            inferred += read[candidate.node][1]
+        entries.append(_inferred(gathered, plan, textures, properties, inferred))
+    rest += _superfluous_strings(gathered, plans)
+    # Those that a spectrum took were understood; it has them.
+    if not any(": wavelengths of " in line for entry in entries for line in entry.inferred):
+        rest += gathered.wavelengths
+    chosen, *others = entries
+    if not others:
+        return chosen
+    names = ", ".join(repr(entry.representation) for entry in others)
+    line = f"representation {chosen.representation!r} stands in front of {names}: by the rule of axf.representations"
+    return replace(chosen, alternatives=tuple(others), inferred=(line, *chosen.inferred))
 
 
-def _textures(gathered: Gathered, rest: list[str], inferred: list[str]) -> dict[str, AxfTexture]:
-    textures = {}
-    for key, candidates in gathered.textures.items():
-        chosen, *others = sorted(candidates, key=lambda candidate: candidate.rank_of_choice)
-        for other in others:
-            unused = (other.data, *other.levels.values(), other.width, other.height)
-            rest.extend(leaf.path for leaf in unused if leaf is not None)
-        textures[key] = _texture(chosen, rest, inferred)
-    return textures
-
-
-def _texture(candidate: Candidate, rest: list[str], inferred: list[str]) -> AxfTexture:
-    leaves = [candidate.data]
-    for number in sorted(candidate.levels):
-        if number == len(leaves):
-            leaves.append(candidate.levels[number])
-        else:
-            rest.append(candidate.levels[number].path)
-    levels = tuple(_level(leaf, inferred) for leaf in leaves)
-    sizes = []
-    for leaf, axis, name in ((candidate.width, -2, layout.WIDTH), (candidate.height, -3, layout.HEIGHT)):
-        if leaf is not None:
-            sizes.append(_single(leaf))
-        elif candidate.key == "brdfcolors" or levels[0].ndim < 3 or levels[0].shape[axis] == 1:
-            sizes.append(0.0)
-        else:
-            sizes.append(float(levels[0].shape[axis]))
-            inferred.append(f"{candidate.node} has no {name}: taken as 1 mm a texel")
-    return AxfTexture(levels, sizes[0], sizes[1], candidate.node)
-
-
-def _level(leaf: Leaf, inferred: list[str]) -> np.ndarray:
-    array = leaf.array()
-    if array.dtype == np.float64:
-        inferred.append(f"{leaf.path} holds float64: rounded to AxF's float32")
-        with np.errstate(over="ignore"):
-            array = array.astype(np.float32)
-    # A uniform value may be stored as the bare list of its channels.
-    return array.reshape(1, 1, -1) if array.ndim == 1 else array
-
-
-def _single(leaf: Leaf) -> float:
-    array = leaf.array()
-    if array.size != 1 or not np.isfinite(array).all():
-        raise InputError(f"{leaf.path} is {array.reshape(-1)[:4].tolist()}; it must be one finite number")
-    with np.errstate(over="ignore"):
-        return float(np.float32(array.reshape(-1)[0]))
-
-
-def _properties(gathered: Gathered, rest: list[str]) -> dict[str, Any]:
+def _properties(gathered: Gathered, rest: list[Leaf]) -> dict[str, Any]:
     properties = {}
     for name, (chosen, *others) in gathered.properties.items():
         properties[name] = PROPERTY_TYPES[name].convert(chosen.array(), chosen.path)
-        rest.extend(leaf.path for leaf in others)
+        rest.extend(others)
     return properties
-
-
-def _described(gathered: Gathered, textures: dict[str, AxfTexture]) -> tuple[int, AxfMaterial]:
-    """The material by our own description (`docs/axf-layout.md`)."""
-    own = gathered.own
-    kinds = {kind.value: kind for kind in MaterialKind}
-    properties, metadata = {}, {}
-    for path, leaf in own.items():
-        section, _, name = path.partition("/")
-        if section == "Properties":
-            if not leaf.is_number:
-                raise InputError(f"{leaf.path} holds no number; write a number or a list of them")
-            if name not in PROPERTY_TYPES:
-                raise InputError(f"{leaf.path} is no AxF property; allowed: {', '.join(PROPERTY_TYPES)}")
-            properties[name] = PROPERTY_TYPES[name].convert(leaf.array(), leaf.path)
-        elif section == "Metadata":
-            metadata[layout.unescape(name)] = _text(leaf)
-    material = AxfMaterial(
-        id=_own_text(own, "Id", gathered.group),
-        name=_own_text(own, "Name", gathered.group),
-        kind=_known(own, "Class", kinds, gathered.group),
-        diffuse_model=_known(own, "DiffuseModel/TypeKey", _inverse(DIFFUSE_MODELS), gathered.group),
-        specular_model=_known(own, "SpecularModel/TypeKey", _inverse(SPECULAR_MODELS), gathered.group),
-        specular_variant=_text(own["SpecularModel/Variant"]) if "SpecularModel/Variant" in own else None,
-        fresnel_variant=(_text(own["SpecularModel/FresnelVariant"]) if "SpecularModel/FresnelVariant" in own else None),
-        anisotropic=bool(_own_number(own, "SpecularModel/IsAnisotropic")),
-        textures=textures,
-        properties=properties,
-        metadata=metadata,
-    )
-    return int(_own_number(own, "Index")), material
-
-
-_OWN_NAMES = {
-    "Index",
-    "Id",
-    "Name",
-    "Class",
-    "DiffuseModel/TypeKey",
-    "SpecularModel/TypeKey",
-    "SpecularModel/Variant",
-    "SpecularModel/FresnelVariant",
-    "SpecularModel/IsAnisotropic",
-    *(f"{name}Filter/TypeKey" for name in FILTERS),
-}
-
-
-def _besides_own(gathered: Gathered) -> Iterator[str]:
-    """What a file with our own description holds beyond it: it is not used."""
-    for path, leaf in gathered.own.items():
-        if path not in _OWN_NAMES and path.partition("/")[0] not in ("Properties", "Metadata"):
-            yield leaf.path
-    yield from (leaf.path for leaves in gathered.properties.values() for leaf in leaves)
-    yield from (leaf.path for found in gathered.strings.values() for _, leaf in found)
-
-
-def _inverse(table: Mapping[str, str]) -> dict[str, str]:
-    return {key: name for name, key in table.items()}
-
-
-def _text(leaf: Leaf) -> str:
-    text = leaf.text()
-    if text is None:
-        raise InputError(f"{leaf.path} holds no single text; write it as one string")
-    return text
-
-
-def _own_text(own: dict[str, Leaf], name: str, group: str) -> str:
-    if name not in own:
-        raise InputError(f"material {group!r}: {layout.OWN_GROUP}/{name} is missing; write it as one string")
-    return _text(own[name])
-
-
-def _own_number(own: dict[str, Leaf], name: str) -> float:
-    return _single(own[name]) if name in own and own[name].is_number else 0.0
-
-
-def _known(own: dict[str, Leaf], name: str, table: Mapping[str, _Value], group: str) -> _Value:
-    text = _own_text(own, name, group)
-    if text not in table:
-        raise InputError(f"{own[name].path} is {text!r}; allowed: {', '.join(table)}")
-    return table[text]
 
 
 def _inferred(
     gathered: Gathered,
+    plan: Plan,
     textures: dict[str, AxfTexture],
     properties: dict[str, Any],
     inferred: list[str],
 ) -> AxfMaterial:
-    """The material by what its content implies; every conclusion is written down."""
-    if not textures and not properties:
-        _refuse(gathered)
-    car_paint = "brdfcolors" in textures or any(name in properties for name in _CAR_PAINT_MARKS)
-    kind = MaterialKind.CAR_PAINT if car_paint else MaterialKind.SVBRDF
+    """One representation by what its content implies; every conclusion is written down."""
+    car_paint = plan.kind is MaterialKind.CAR_PAINT
     evidence = "a CT_ property or color table" if car_paint else "no CT_ property and no color table"
-    inferred.append(f"representation {kind.value}: there is {evidence}")
-    diffuse = _string(gathered, "diffuse") or "Lambert"
-    specular = _string(gathered, "specular") or ("CookTorrance" if car_paint else "Ward")
-    variant = _string(gathered, "variant")
-    fresnel = _string(gathered, "fresnel")
-    if _string(gathered, "diffuse") is None:
+    evidence = "textures and properties of both kinds" if plan.split else f"there is {evidence}"
+    inferred.append(f"representation {plan.kind.value}: {evidence}")
+    named = {
+        kind: next((value for value, _ in strings_of(gathered, kind, plan.number)), None)
+        for kind in ("diffuse", "specular", "variant", "fresnel")
+    }
+    diffuse = named["diffuse"] or "Lambert"
+    specular = named["specular"] or ("CookTorrance" if car_paint else "Ward")
+    variant, fresnel = named["variant"], named["fresnel"]
+    if named["diffuse"] is None:
         inferred.append("diffuse model Lambert: no type key names one")
-    if _string(gathered, "specular") is None:
+    if named["specular"] is None:
         inferred.append(f"specular model {specular}: no type key names one")
     if variant is not None and SPECULAR_VARIANTS[variant] != specular:
         owner = SPECULAR_VARIANTS[variant]
@@ -219,10 +102,12 @@ def _inferred(
     if lobes is not None:
         shape = "anisotropic" if anisotropic else "isotropic"
         inferred.append(f"{shape}: channels of the lobe map: {lobes.channels}")
+    if plan.split and not car_paint:
+        properties = {name: value for name, value in properties.items() if name not in _PAINT_ONLY}
     return AxfMaterial(
         id=gathered.group,
         name=gathered.group,
-        kind=kind,
+        kind=plan.kind,
         diffuse_model=diffuse,
         specular_model=specular,
         specular_variant=variant,
@@ -230,20 +115,21 @@ def _inferred(
         anisotropic=anisotropic,
         textures=textures,
         properties=properties,
+        representation=plan.name,
+        inferred=tuple(inferred),
     )
 
 
-def _string(gathered: Gathered, kind: str) -> str | None:
-    """The known string of a kind that the file holds first, if any."""
-    found = gathered.strings.get(kind)
-    return found[0][0] if found else None
+_PAINT_ONLY = (*CAR_PAINT_MARKS, "num_thetaF", "num_thetaI", "max_thetaI")
 
 
-def _superfluous_strings(gathered: Gathered) -> Iterator[str]:
-    """Known strings beyond the one that was used; a filter's key may stand once for each filter."""
+def _superfluous_strings(gathered: Gathered, plans: Sequence[Plan]) -> Iterator[Leaf]:
+    """Known strings that say something else than those used; a filter's key may stand once for each filter."""
     for kind, found in gathered.strings.items():
-        if kind != "filter":
-            yield from (leaf.path for value, leaf in found[1:] if value != found[0][0])
+        if kind == "filter":
+            continue
+        used = {value for plan in plans for value, _ in strings_of(gathered, kind, plan.number)[:1]}
+        yield from (leaf for value, leaf in found if value not in used)
 
 
 def _refuse(gathered: Gathered) -> NoReturn:

@@ -21,7 +21,19 @@ RESOURCES = "com.xrite.Resources"
 REPRESENTATIONS = "com.xrite.Representations"
 
 OWN_GROUP = "axffit.Material"
-"""Our own group below a material's `com.xrite.Representations`."""
+"""Our own group below a material's `com.xrite.Representations`; further representations are `…_1`, `…_2`, …"""
+
+RGB = "RGB"
+"""Beside a spectrum's `Data`: the linear RGB that was made of it; of level n: `RGBLevel<n>` (our own)."""
+
+WAVELENGTHS = "Wavelengths"
+"""Beside a spectrum's `Data`: its wavelengths in nanometers (our own)."""
+
+TEXTURES = "Textures"
+"""In our description: the nodes of the textures that are not at AxF's own place, "" for none, by canonical name."""
+
+REPRESENTATION = "Representation"
+"""In our description: the name of the representation, where it has one."""
 
 DATA, WIDTH, HEIGHT = "Data", "WidthMM", "HeightMM"
 """A resource's values and its extent in millimeters (evidenced)."""

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from .extras import AxfExtra
 from .names import (
     DIFFUSE_MODELS,
     FRESNEL_VARIANTS,
@@ -21,6 +22,7 @@ from .names import (
     TEXTURE_KEYS,
     canonical_property,
     canonical_texture,
+    is_preview,
     one_of,
 )
 from .properties import PROPERTY_TYPES
@@ -50,26 +52,53 @@ class AxfTexture:
         width_mm: extent of the map along u in millimeters; 0 or less means a spatial constant.
         height_mm: extent along v in millimeters.
         source: the node of the file the texture came from, or "" when it was made in memory.
+        spectra: the levels as the file holds them where it holds spectra: reflectances [H, W, C], C wavelengths.
+            `levels` is then what `spectrum.to_rgb` makes of them, or empty where it could not.
+        wavelengths: the C wavelengths in nanometers, float64, or None where they are not known.
+        unconverted: why `levels` is empty, and the mend; "" where it is not.
     """
 
     levels: tuple[np.ndarray, ...]
     width_mm: float = 0.0
     height_mm: float = 0.0
     source: str = ""
+    spectra: tuple[np.ndarray, ...] = ()
+    wavelengths: np.ndarray | None = None
+    unconverted: str = ""
 
     def __post_init__(self) -> None:
         """Freeze the arrays and take AxF's own type for the sizes."""
-        if not self.levels:
-            raise InputError(f"texture {self.source or '(in memory)'} has no level; give at least one array")
+        where = self.source or "(in memory)"
+        if not (self.levels or self.spectra):
+            raise InputError(f"texture {where} has no level; give at least one array")
+        if self.wavelengths is not None:
+            wavelengths = _frozen_array(np.asarray(self.wavelengths, np.float64))
+            channels = {level.shape[-1:] for level in self.spectra}
+            if wavelengths.ndim != 1 or channels != {wavelengths.shape}:
+                raise InputError(f"texture {where}: {wavelengths.size} wavelengths for its spectra; give one a channel")
+            object.__setattr__(self, "wavelengths", wavelengths)
         object.__setattr__(self, "levels", tuple(_frozen_array(level) for level in self.levels))
+        object.__setattr__(self, "spectra", tuple(_frozen_array(level) for level in self.spectra))
         # AxF stores both sizes as float32; taking its type here is what makes a round trip exact.
         object.__setattr__(self, "width_mm", float(np.float32(self.width_mm)))
         object.__setattr__(self, "height_mm", float(np.float32(self.height_mm)))
 
     @property
     def data(self) -> np.ndarray:
-        """The finest level."""
+        """The finest level.
+
+        Raises:
+            InputError: it is a spectrum that was not converted to RGB.
+        """
+        if not self.levels:
+            reason = self.unconverted or "it was made without RGB; convert it with axffit.axf.spectrum.to_rgb"
+            raise InputError(f"{self.source or '(in memory)'} is a spectrum and cannot be evaluated: {reason}")
         return self.levels[0]
+
+    @property
+    def stored(self) -> tuple[np.ndarray, ...]:
+        """The levels as a file holds them: the spectra where there are some."""
+        return self.spectra or self.levels
 
     @property
     def channels(self) -> int:
@@ -79,13 +108,15 @@ class AxfTexture:
     @property
     def is_constant(self) -> bool:
         """Whether the map is a spatial constant: 1x1 texels, or a size in mm that is not positive."""
-        return self.data.shape[-3:-1] == (1, 1) or self.width_mm <= 0 or self.height_mm <= 0
+        return self.stored[0].shape[-3:-1] == (1, 1) or self.width_mm <= 0 or self.height_mm <= 0
 
     def identical(self, other: "AxfTexture") -> bool:
         """Whether both hold the same bits: values, types, shapes, sizes in mm (the source may differ)."""
         return (
-            len(self.levels) == len(other.levels)
-            and all(_same_bits(a, b) for a, b in zip(self.levels, other.levels, strict=True))
+            _same_levels(self.levels, other.levels)
+            and _same_levels(self.spectra, other.spectra)
+            and (self.wavelengths is None) == (other.wavelengths is None)
+            and (self.wavelengths is None or _same_bits(self.wavelengths, other.wavelengths))
             and _same_bits(np.float32(self.width_mm), np.float32(other.width_mm))
             and _same_bits(np.float32(self.height_mm), np.float32(other.height_mm))
         )
@@ -109,6 +140,12 @@ class AxfMaterial:
         properties: AxF's property names (`properties.PROPERTY_TYPES`) to numpy scalars and
             one-dimensional arrays, in the types AxF stores them in (float32, int32).
         metadata: free text about the material (for instance that it is synthetic), name to text.
+        previews: pictures of the material by their path below its group, [H, W], [H, W, 3] or [H, W, 4], in the type
+            the file holds them in (8 bits are sRGB as a rule; nothing says so).
+        representation: which of the file's representations this is: "" for the unnumbered one, else its number.
+        alternatives: the file's other representations of this material, each a material of the same id; see
+            `representations.choose` for which one stands in front.
+        extras: nodes of the material that were not understood, to be written back as they are.
         inferred: what the reader had to conclude because the file does not say it, one sentence each.
         unrecognized: nodes of the file that were not used.
 
@@ -127,6 +164,10 @@ class AxfMaterial:
     textures: Mapping[str, AxfTexture] = field(default_factory=dict)
     properties: Mapping[str, Any] = field(default_factory=dict)
     metadata: Mapping[str, str] = field(default_factory=dict)
+    previews: Mapping[str, np.ndarray] = field(default_factory=dict)
+    representation: str = ""
+    alternatives: tuple["AxfMaterial", ...] = ()
+    extras: tuple[AxfExtra, ...] = ()
     inferred: tuple[str, ...] = ()
     unrecognized: tuple[str, ...] = ()
 
@@ -147,7 +188,12 @@ class AxfMaterial:
             properties[known] = PROPERTY_TYPES[known].convert(value, f"{self.id}: property {known}")
         object.__setattr__(self, "textures", MappingProxyType(textures))
         object.__setattr__(self, "properties", MappingProxyType(properties))
+        for path in self.previews:
+            if not is_preview(path):
+                raise InputError(f"{self.id}: preview at {path!r}; a reader finds it by 'preview' or 'thumbnail' in it")
         object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
+        previews = {path: _frozen_array(picture) for path, picture in self.previews.items()}
+        object.__setattr__(self, "previews", MappingProxyType(previews))
 
     @property
     def has_clear_coat(self) -> bool:
@@ -169,6 +215,11 @@ class AxfMaterial:
             and self.properties.keys() == other.properties.keys()
             and all(texture.identical(other.textures[key]) for key, texture in self.textures.items())
             and all(_same_bits(value, other.properties[key]) for key, value in self.properties.items())
+            and self.previews.keys() == other.previews.keys()
+            and all(_same_bits(picture, other.previews[path]) for path, picture in self.previews.items())
+            and same_extras(self.extras, other.extras)
+            and len(self.alternatives) == len(other.alternatives)
+            and all(a.identical(b) for a, b in zip(self.alternatives, other.alternatives, strict=True))
         )
 
 
@@ -181,6 +232,7 @@ _DESCRIBED = (
     "specular_variant",
     "fresnel_variant",
     "anisotropic",
+    "representation",
 )
 
 
@@ -192,6 +244,7 @@ class AxfFile:
         materials: the materials in the order of the file.
         version: AxF version (major, minor, revision).
         unrecognized: nodes outside the materials that were not used.
+        extras: these nodes as they are, to be written back.
         inferred: what the reader had to conclude about the file as a whole, one sentence each.
         source: the path the file was read from, or "".
     """
@@ -201,13 +254,31 @@ class AxfFile:
     unrecognized: tuple[str, ...] = ()
     inferred: tuple[str, ...] = ()
     source: str = ""
+    extras: tuple[AxfExtra, ...] = ()
 
-    def material(self, id: str | None = None) -> AxfMaterial:
+    def material(self, id: str | None = None, representation: str | None = None) -> AxfMaterial:
         """The material of that id, or the only (first) one when none is named.
 
+        Args:
+            id: the material.
+            representation: one of its representations by name; None takes the chosen one.
+
         Raises:
-            InputError: no material has that id, or the file holds none.
+            InputError: no material has that id, it has no such representation, or the file holds none.
         """
+        material = self._material(id)
+        held = {entry.representation: entry for entry in (*material.alternatives, material)}
+        if representation is None:
+            return material
+        if representation not in held:
+            known = ", ".join(map(repr, sorted(held)))
+            raise InputError(
+                f"{self.source or 'AxF file'}: material {material.id!r} has no representation {representation!r}; "
+                f"it has {known}"
+            )
+        return held[representation]
+
+    def _material(self, id: str | None) -> AxfMaterial:
         where = self.source or "AxF file"
         known = ", ".join(repr(material.id) for material in self.materials)
         if id is None:
@@ -225,6 +296,16 @@ def _known(key: str, canonical: Any, allowed: tuple[str, ...], where: str) -> st
     if known is None:
         raise InputError(f"{where}: unknown name {key!r}; allowed: {', '.join(allowed)}")
     return known
+
+
+def _same_levels(a: tuple[np.ndarray, ...], b: tuple[np.ndarray, ...]) -> bool:
+    return len(a) == len(b) and all(_same_bits(x, y) for x, y in zip(a, b, strict=True))
+
+
+def same_extras(a: tuple[AxfExtra, ...], b: tuple[AxfExtra, ...]) -> bool:
+    """Whether both hold the same nodes, in any order."""
+    first, second = ({(extra.path, extra.kind): extra for extra in extras} for extras in (a, b))
+    return first.keys() == second.keys() and all(extra.identical(second[at]) for at, extra in first.items())
 
 
 def _same_bits(a: Any, b: Any) -> bool:

@@ -6,7 +6,7 @@ and is left out.
 """
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from ..errors import InputError
@@ -101,6 +101,12 @@ TEXTURES: Mapping[str, TextureLayout] = {
 
 TEXTURE_KEYS: tuple[str, ...] = tuple(TEXTURES)
 
+COLOR_KEYS = ("diffusecolor", "specularcolor", "fresnel", "clearcoatcolor", "brdfcolors", "btfflakes")
+"""Textures that may be spectra, one channel a wavelength, in place of linear RGB."""
+
+SPECTRUM_CHANNELS = 5
+"""Channels from which a color is a spectrum; RGB with an alpha has 4."""
+
 _PART = {"diffuse": "DiffuseModel", "specular": "SpecularModel", "clearcoat": "ClearCoat"}
 
 
@@ -136,6 +142,20 @@ def canonical_texture(name: str, group: str = "") -> str | None:
                 # A coat's own map must never be taken for the base's map of the same name.
                 return _TEXTURE_BY_FOLD.get(folded) if folded.startswith(fold(word)) else None
     return _TEXTURE_BY_FOLD.get(folded)
+
+
+def suffix(names: Sequence[str]) -> str:
+    """The representation that a path of names belongs to: the number behind `_`, or "" where none has one."""
+    for name in reversed(names):
+        found = re.search(r"_(\d{1,9})$", name)
+        if found:
+            return found[1]
+    return ""
+
+
+def is_preview(path: str) -> bool:
+    """Whether a path names a picture of the material."""
+    return any(fold(word) in fold(part) for part in path.split("/") for word in ("preview", "thumbnail"))
 
 
 def canonical_property(name: str) -> str | None:

@@ -35,7 +35,7 @@ class PropertyType:
             limits = np.iinfo(self.dtype)
             if not np.all(np.isfinite(flat)) or np.any(flat != np.trunc(flat)):
                 raise InputError(f"{where}: {value!r} is not a whole number; give {self.wanted}")
-            if np.any(flat < limits.min) or np.any(flat > limits.max):
+            if np.any(flat.astype(np.float64) < limits.min) or np.any(flat.astype(np.float64) > limits.max):
                 raise InputError(f"{where}: {value!r} does not fit 32 bits; give {self.wanted}")
         with np.errstate(over="ignore"):
             converted = flat.astype(self.dtype)

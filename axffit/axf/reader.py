@@ -2,18 +2,23 @@
 
 No public specification says how AxF spells everything, so textures, values and model names are found by name
 anywhere under a material. What had to be concluded is listed in `AxfMaterial.inferred`, every node that was not
-used in `AxfMaterial.unrecognized` and `AxfFile.unrecognized`.
+used in `AxfMaterial.unrecognized` and `AxfFile.unrecognized`. These nodes themselves are kept as `extras`, and the
+writer puts them back.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import InputError
 from . import layout
+from .described import described_material
+from .extras import AxfExtra
 from .gather import Gathered
-from .hdf5 import Leaf, Tree, opened, walk
-from .infer import interpret
+from .hdf5 import MAXIMUM_KEPT, Leaf, Tree, Unread, one_line, opened, walk
+from .infer import inferred_material
 from .material import AxfFile, AxfMaterial
 from .names import fold
 from .validation import check
@@ -51,29 +56,73 @@ def _read(tree: Tree, source: str, *, validate: bool) -> AxfFile:
     }
     if not leaves:
         raise InputError(f"no material; an AxF file has a group /{layout.MATERIALS}/<material id>")
-    unread: dict[tuple[str, ...], list[str]] = {group: [] for group in leaves}
-    elsewhere = []
+    unread: dict[tuple[str, ...], list[Unread]] = {group: [] for group in leaves}
+    elsewhere: list[Leaf | Unread] = []
     for leaf in tree.leaves:
         if not (leaf.attribute and leaf.parts in _ROOT):
-            leaves.get(leaf.parts[:2], elsewhere).append(leaf)
-    outside = [leaf.path for leaf in elsewhere]
-    for parts, line in tree.unread:
-        unread.get(parts[:2], outside).append(line)
+            # An attribute of the group of all materials may be called as a material is.
+            inside = not (leaf.attribute and len(leaf.parts) == 2)
+            (leaves.get(leaf.parts[:2], elsewhere) if inside else elsewhere).append(leaf)
+    for node in tree.unread:
+        inside = not (node.attribute and len(node.parts) == 2)
+        (unread.get(node.parts[:2], elsewhere) if inside else elsewhere).append(node)
+    keeper = _Keeper()
     for group in leaves:
-        index, material = interpret(Gathered.collect(leaves[group], group[-1]), unread[group], own=own)
+        index, material = _material(Gathered.collect(leaves[group], group[-1]), unread[group], keeper, own=own)
         if validate:
             check(material)
         materials.append((index, material))
     materials.sort(key=lambda entry: entry[0])
     if len({material.id for _, material in materials}) < len(materials):
         raise InputError("two materials share an id; give each its own")
+    extras, lines = keeper.keep(elsewhere, 0)
     return AxfFile(
         tuple(material for _, material in materials),
         version=version,
-        unrecognized=tuple(outside),
+        unrecognized=lines,
         inferred=tuple(inferred),
         source=source,
+        extras=extras,
     )
+
+
+def _material(gathered: Gathered, unread: list[Unread], keeper: "_Keeper", *, own: bool) -> tuple[int, AxfMaterial]:
+    rest: list[Leaf] = []
+    index = 0
+    if own and gathered.own:
+        index, material = described_material(gathered, rest)
+    else:
+        material = inferred_material(gathered, rest)
+        metadata = {path: leaf.text() or "" for path, leaf in gathered.metadata.items()}
+        material = replace(material, metadata=metadata)
+    extras, lines = keeper.keep([*rest, *unread], 2)
+    previews = {path: leaf.array() for path, leaf in gathered.previews.items()}
+    return index, replace(material, previews=previews, extras=extras, unrecognized=lines)
+
+
+@dataclass
+class _Keeper:
+    """Takes what was not used as it is, up to `MAXIMUM_KEPT` bytes of a file."""
+
+    room: int = MAXIMUM_KEPT
+
+    def keep(self, nodes: Sequence[Leaf | Unread], above: int) -> tuple[tuple[AxfExtra, ...], tuple[str, ...]]:
+        """The nodes below the first ``above`` names, and a line on each; one that cannot be kept says why."""
+        extras, lines = [], []
+        for node in nodes:
+            reason = ""
+            if node.size > self.room:
+                reason = f" (not kept: {node.size / 2**20:.0f} MiB)"
+            else:
+                try:
+                    extra = node.keep()
+                except (OSError, RuntimeError, ValueError, KeyError, TypeError, MemoryError) as error:
+                    reason = f" (not kept: {one_line(error)})"
+                else:
+                    extras.append(extra.beside(extra.parts[above:]))
+                    self.room -= node.size
+            lines.append(node.line + reason)
+        return tuple(extras), tuple(lines)
 
 
 _ROOT = {(name,) for name in (*layout.VERSION_ATTRIBUTES, layout.OWN_VERSION, layout.OWN_LAYOUT)}

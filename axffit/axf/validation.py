@@ -6,7 +6,7 @@ import numpy as np
 
 from ..errors import InputError
 from .material import AxfMaterial, AxfTexture
-from .names import TEXTURES
+from .names import COLOR_KEYS, SPECTRUM_CHANNELS, TEXTURES
 from .ranges import (
     EXPONENT_RANGE,
     FRESNEL_MAXIMUM,
@@ -44,6 +44,7 @@ def problems(material: AxfMaterial) -> Iterator[str]:
         yield from complaints
         if not complaints:
             yield from _value_problems(key, texture, node, material.specular_model)
+        yield from _spectrum_problems(key, texture, node)
     yield from _property_problems(material)
     yield from _lobe_problems(material)
     yield from _slice_problems(material)
@@ -98,6 +99,27 @@ def _value_problems(key: str, texture: AxfTexture, node: str, specular_model: st
                 yield (
                     f"{where}: {_place(bad, level)} in {key} of length 0; a normal needs a direction, (0, 0, 1) is flat"
                 )
+
+
+def _spectrum_problems(key: str, texture: AxfTexture, node: str) -> Iterator[str]:
+    for number, level in enumerate(texture.spectra):
+        where = node if number == 0 else f"{node} (level {number})"
+        if key not in COLOR_KEYS or level.shape[-1:] < (SPECTRUM_CHANNELS,):
+            yield (
+                f"{where}: {key} as spectra of shape {level.shape}; only colors may be spectra, "
+                f"of {SPECTRUM_CHANNELS} channels or more"
+            )
+        elif level.ndim != TEXTURES[key].rank or 0 in level.shape or level.dtype not in (np.float16, np.float32):
+            yield (
+                f"{where}: {key} as spectra of shape {level.shape}, {level.dtype}; "
+                f"store float32 or float16 of rank {TEXTURES[key].rank}"
+            )
+        elif texture.levels and [each.shape[:-1] for each in texture.levels] != [
+            each.shape[:-1] for each in texture.spectra
+        ]:
+            yield f"{where}: {key} has spectra and RGB of unequal sizes; convert every level"
+        elif not np.isfinite(level).all():
+            yield f"{where}: {_place(~np.isfinite(level), level)} in {key} not finite; replace these texels"
 
 
 def _place(bad: np.ndarray, values: np.ndarray) -> str:

@@ -1,9 +1,14 @@
 """Writing .axf files: the evidenced HDF5 layout, and one documented layout of our own for the rest."""
 
 import contextlib
+import itertools
 import os
+import re
 import secrets
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -11,6 +16,7 @@ import numpy as np
 from .. import __version__
 from ..errors import InputError
 from . import layout
+from .extras import restore
 from .hdf5 import MAXIMUM_TEXT, one_line
 from .material import AxfFile, AxfMaterial, AxfTexture
 from .names import DIFFUSE_MODELS, FILTERS, SPECULAR_MODELS, TEXTURES
@@ -27,18 +33,26 @@ def write(path: str | Path, content: AxfFile | AxfMaterial) -> None:
         content: one material, or a file of several.
 
     Raises:
-        InputError: a material breaks a rule of `validation`, two share an id, or the file cannot be written.
+        InputError: a material breaks a rule of `validation`, two share an id, something of `extras` lies where a
+            material belongs, or the file cannot be written.
     """
     path = Path(path)
     file = AxfFile((content,)) if isinstance(content, AxfMaterial) else content
     _check_file(file)
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
     try:
-        # Without "v110" as upper bound a newer HDF5 could write what older readers (an engine's) do not know.
-        with h5py.File(temporary, "x", libver=("earliest", "v110")) as target:
+        # Without "v110" as upper bound a newer HDF5 could write what older readers (an engine's) do not know; what is
+        # written back may be of a type that only newer ones have.
+        kept = [*file.extras, *(extra for material in file.materials for extra in material.extras)]
+        newest = "latest" if any(extra.is_newer_than_1_10 for extra in kept) else "v110"
+        with h5py.File(temporary, "x", libver=("earliest", newest)) as target:
             _write_root(target, file)
             for index, material in enumerate(file.materials):
                 _write_material(target, material, index)
+            # References and hard links of these may lead anywhere, so they come when everything else is there.
+            restore(target, file.extras)
+            for material in file.materials:
+                restore(_group(target, material), material.extras)
         os.replace(temporary, path)
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({one_line(error)}); choose a writable folder") from error
@@ -70,33 +84,104 @@ def _write_root(target: h5py.File, file: AxfFile) -> None:
     target.attrs.create(layout.OWN_LAYOUT, np.uint32(layout.LAYOUT_NUMBER))
 
 
+def _group(target: h5py.File, material: AxfMaterial) -> h5py.Group:
+    return target.require_group(f"{layout.MATERIALS}/{_name(layout.escape(material.id))}")
+
+
 def _write_material(target: h5py.File, material: AxfMaterial, index: int) -> None:
-    group = target.require_group(layout.MATERIALS).create_group(_name(layout.escape(material.id)))
-    for key, texture in material.textures.items():
-        _write_texture(group.create_group(f"{layout.RESOURCES}/{TEXTURES[key].node}"), texture)
-    _write_description(group.create_group(f"{layout.REPRESENTATIONS}/{layout.OWN_GROUP}"), material, index)
+    group = _group(target, material)
+    pool = _Pool(group, {"/".join(extra.parts): extra.kind for extra in material.extras if extra.kind != "attribute"})
+    for number, entry in enumerate((material, *material.alternatives)):
+        name = layout.OWN_GROUP if number == 0 else f"{layout.OWN_GROUP}_{number}"
+        nodes = {key: pool.write(key, texture, front=number == 0) for key, texture in entry.textures.items()}
+        if number == 0:
+            # What stands where AxF has a texture, but is none of this material, would be taken for one.
+            taken = [key for key in TEXTURES if key not in nodes and pool.is_taken(TEXTURES[key].node)]
+            nodes = {key: node for key, node in nodes.items() if node != TEXTURES[key].node}
+            nodes |= dict.fromkeys(taken, "")
+        _write_description(group.create_group(f"{layout.REPRESENTATIONS}/{name}"), entry, index, nodes)
+    for path, picture in material.previews.items():
+        group.create_dataset(_name(path), data=picture, **_packing(picture))
+
+
+@dataclass
+class _Pool:
+    """The resources of one material, shared by its representations.
+
+    Attributes:
+        group: the material's group.
+        reserved: the paths of nodes that are written back as they are, below the group.
+        written: the textures by their node below the resources.
+    """
+
+    group: h5py.Group
+    reserved: Mapping[str, str]
+    written: dict[str, AxfTexture] = field(default_factory=dict)
+
+    def write(self, key: str, texture: AxfTexture, *, front: bool) -> str:
+        """The node that holds the texture, written unless it is there already.
+
+        AxF's own place is for the representation in front: a reader takes what stands there for that one's.
+        """
+        base = TEXTURES[key].node
+        for number in itertools.count():
+            node = base if number == 0 else f"{base}_{number}"
+            if node in self.written and self.written[node].identical(texture):
+                return node
+            if node not in self.written and (front or number) and not self.is_taken(node):
+                _write_texture(self.group.create_group(f"{layout.RESOURCES}/{node}"), texture)
+                self.written[node] = texture
+                return node
+        raise AssertionError("numbers do not end")
+
+    def is_taken(self, node: str) -> bool:
+        """Whether something that is written back stands at a resource's place or in its way."""
+        path = f"{layout.RESOURCES}/{node}"
+        if any(above in self.reserved for above in itertools.accumulate(path.split("/"), "{}/{}".format)):
+            return True
+        inside = (held.removeprefix(f"{path}/") for held in self.reserved if held.startswith(f"{path}/"))
+        return any(_RESOURCE_PART.fullmatch(name) for name in inside)
+
+
+_RESOURCE_PART = re.compile(
+    f"{layout.DATA}|{layout.WIDTH}|{layout.HEIGHT}|{layout.WAVELENGTHS}|{layout.RGB}|"
+    f"(?:{layout.RGB})?{layout.LEVEL}[0-9]+",
+    re.IGNORECASE,
+)
 
 
 def _write_texture(resource: h5py.Group, texture: AxfTexture) -> None:
-    for number, level in enumerate(texture.levels):
-        name = layout.DATA if number == 0 else f"{layout.LEVEL}{number}"
-        # A filter needs chunks; below a few hundred values their index outweighs what is saved.
-        packing = {"compression": "gzip", "compression_opts": 6, "shuffle": True} if level.size > 256 else {}
-        resource.create_dataset(name, data=level, **packing)
+    _write_levels(resource, layout.DATA, layout.LEVEL, texture.stored)
+    if texture.spectra:
+        _write_levels(resource, layout.RGB, layout.RGB + layout.LEVEL, texture.levels)
+        if texture.wavelengths is not None:
+            resource.create_dataset(layout.WAVELENGTHS, data=texture.wavelengths)
     resource.create_dataset(layout.WIDTH, data=np.float32(texture.width_mm))
     resource.create_dataset(layout.HEIGHT, data=np.float32(texture.height_mm))
 
 
-def _write_description(group: h5py.Group, material: AxfMaterial, index: int) -> None:
+def _write_levels(resource: h5py.Group, first: str, further: str, levels: tuple[np.ndarray, ...]) -> None:
+    for number, level in enumerate(levels):
+        resource.create_dataset(first if number == 0 else f"{further}{number}", data=level, **_packing(level))
+
+
+def _packing(array: np.ndarray) -> dict[str, Any]:
+    """Compression; a filter needs chunks, and below a few hundred values their index outweighs what is saved."""
+    return {"compression": "gzip", "compression_opts": 6, "shuffle": True} if array.size > 256 else {}
+
+
+def _write_description(group: h5py.Group, material: AxfMaterial, index: int, nodes: Mapping[str, str]) -> None:
     group.create_dataset("Index", data=np.uint32(index))
     texts = {
         "Id": material.id,
         "Name": material.name,
         "Class": material.kind.value,
+        layout.REPRESENTATION: material.representation or None,
         "DiffuseModel/TypeKey": DIFFUSE_MODELS[material.diffuse_model],
         "SpecularModel/TypeKey": SPECULAR_MODELS[material.specular_model],
         "SpecularModel/Variant": material.specular_variant,
         "SpecularModel/FresnelVariant": material.fresnel_variant,
+        **{f"{layout.TEXTURES}/{key}": node for key, node in nodes.items()},
     }
     present = {"ClearCoat": "clearcoat", "Transparency": "opacity", "Displacement": "height"}
     for name, start in present.items():

@@ -153,24 +153,6 @@ def test_a_car_paint_is_read_by_its_names(foreign):
     assert material.unrecognized == ("/com.xrite.Materials/m1/BTFflakes/Level4",)
 
 
-def test_the_representation_with_the_right_channels_is_taken(foreign):
-    tree = {
-        f"{RESOURCES}/DiffuseModel/Color/Data": values(1, 1, 31),
-        f"{RESOURCES}/DiffuseModel/Color/WidthMM": np.float32(1),
-        f"{RESOURCES}/DiffuseModel/Color_1/Data": values(2, 2, 3),
-        f"{RESOURCES}/DiffuseModel/Color_2/Data": values(3, 3, 3),
-    }
-    material = foreign(tree).material()
-    assert material.textures["diffusecolor"].data.shape == (2, 2, 3)
-    unused = {f"/com.xrite.Materials/m1/{node}" for node in tree if "Color_1" not in node}
-    assert set(material.unrecognized) == unused
-
-
-def test_a_spectrum_alone_is_refused_as_one(foreign):
-    with pytest.raises(InputError, match=r"diffusecolor has 31 channels \(a spectrum\?\); it must have 3"):
-        foreign({f"{RESOURCES}/DiffuseModel/Color/Data": values(1, 1, 31)})
-
-
 @pytest.mark.parametrize("shape", [(3,), (1, 1, 3)])
 def test_uniform_values_become_one_texel(foreign, shape):
     material = foreign({f"{RESOURCES}/DiffuseModel/Color/Data": np.full(shape, 0.5, np.float32)}).material()
@@ -193,7 +175,7 @@ def test_big_endian_becomes_native(foreign):
 def test_everything_unused_is_listed(foreign, tmp_path):
     tree = {
         "DiffuseColor": values(1, 1, 3),
-        "Thumbnail": np.zeros((2, 2, 4), np.uint8),
+        "Pictures": np.zeros((2, 2, 4), np.uint8),
         "a/comment": np.bytes_("hello"),
         "a@author": "somebody",
         "pair": np.zeros(2, np.dtype([("x", "f4"), ("y", "i4")])),
@@ -202,7 +184,7 @@ def test_everything_unused_is_listed(foreign, tmp_path):
     material = foreign(tree).material()
     base = "/com.xrite.Materials/m1"
     assert sorted(material.unrecognized) == [
-        f"{base}/Thumbnail",
+        f"{base}/Pictures",
         f"{base}/a/comment",
         f"{base}/a@author",
         f"{base}/empty/group (an empty group)",
