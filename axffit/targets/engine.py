@@ -141,9 +141,10 @@ class Engine:
             InputError: the target has no such texture.
         """
         row = self.tables.row(name)
-        choice = row.choices[max(row.choices)][0]
-        stored = format_named(choice.format).channels
-        return _chain(choice.reranging, choice.curve).inverse(np.array(row.default)[:stored])[: max(row.choices)]
+        channels = max(row.choices)
+        choice = row.choices[channels][0]
+        stored = np.array(row.default)[: min(channels, format_named(choice.format).channels)]
+        return _chain(choice.reranging, choice.curve).inverse(stored)
 
     def values_of(self, material: AxfMaterial) -> dict[str, Any]:
         """The values `pack` gives this material, the scales of its textures left at 1."""

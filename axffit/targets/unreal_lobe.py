@@ -7,7 +7,7 @@ the GGX lobe with alpha = roughness², Schlick's Fresnel with F0 = specularity (
 diffuse part; f is the paint below its coat, without its color.
 
 Two deviations, so the numbers differ a little from the engine's: the lobe's masking is Smith's own where the engine
-approximates it, and the plane is sampled at 60 x 60 pairs instead of 100 x 100.
+approximates it, and the plane is sampled at 40 x 40 pairs instead of 100 x 100.
 """
 
 from dataclasses import dataclass
@@ -19,8 +19,9 @@ import numpy as np
 
 from .. import brdf
 from ..axf import AxfMaterial
+from .table import MAXIMUM_LOBES
 
-DIRECTIONS = 60
+DIRECTIONS = 40
 LARGEST_ANGLE = 0.8 * np.pi / 2
 STEPS, ROUNDS, NARROWING = 30, 5, 0.2
 ROUGHNESS_RANGE, SPECULARITY_RANGE = (0.0101, 1.0), (0.0, 1.0)
@@ -60,12 +61,18 @@ def reduce_paint(material: AxfMaterial) -> Lobe:
 
 
 def _base(material: AxfMaterial) -> brdf.CarPaint:
+    """The paint without color, always of four lobes, so that one compilation serves all."""
     held = material.properties
+
+    def padded(name: str, padding: float) -> np.ndarray:
+        given = np.atleast_1d(held.get(name, np.zeros(0, np.float32)))
+        return np.concatenate([given, np.full(MAXIMUM_LOBES - len(given), padding, np.float32)])
+
     return brdf.CarPaint(
-        diffuse=held.get("CT_diffuse", np.float32(0)),
-        coefficients=held.get("CT_coeffs", np.zeros(1, np.float32)),
-        f0=held.get("CT_F0s", np.zeros(1, np.float32)),
-        spreads=held.get("CT_spreads", np.ones(1, np.float32)),
+        diffuse=np.float32(held.get("CT_diffuse", 0.0)),
+        coefficients=padded("CT_coeffs", 0.0),
+        f0=padded("CT_F0s", 0.0),
+        spreads=padded("CT_spreads", 1.0),
     )
 
 

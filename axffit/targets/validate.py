@@ -133,7 +133,7 @@ def _flags(tables: Tables, packed: PackedMaterial) -> Iterator[Problem]:
     if word.is_anisotropic and not svbrdf:
         yield Problem("flags.bit0", name, "anisotropic is set, but only an SVBRDF has a lobe map; clear bit 0")
     if word.is_anisotropic and svbrdf:
-        if lobe is None or lobe.channels != 2:
+        if _missing(tables, packed, "specularlobe") or (lobe is not None and lobe.channels != 2):
             where = _name(tables.row_of("specularlobe", packed.kind))
             yield Problem("flags.bit0", where, "anisotropic is set; the lobe map needs 2 channels")
         if row := _missing(tables, packed, "anisrotation"):

@@ -51,6 +51,27 @@ def test_a_bad_tolerance_file_is_named(tmp_path, capsys, text, says):
     assert says in shown.err
 
 
+def test_another_engine_reads_the_angle_at_half_and_ends_in_1(tmp_path, capsys):
+    verdict, page = tmp_path / "verdict.json", tmp_path / "page.html"
+    engines = ["--packed-for", "unity_2018", "--read-by", "hdrp_10"]
+    assert dispatch(["verify", str(SVBRDF), *engines, "--json", str(verdict), "--html", str(page)]) == 1
+    shown = capsys.readouterr().out.splitlines()
+    mismatch = next(line for line in shown if line.startswith("OUTSIDE: mismatch: _SVBRDF_AnisoRotationMap"))
+    for words in ("anisrotation", "0.5 (1 + x / pi)", "0.5 (1 + x / (pi/2))", "degrees off"):
+        assert words in mismatch
+    content = json.loads(verdict.read_text())
+    row = next(row for row in content["textures"] if row["axf_name"] == "anisrotation")
+    assert (row["unit"], row["within"]) == ("degrees", False)
+    assert row["max"] > 80
+    assert [each["axf_name"] for each in content["textures"] if not each["within"]] == ["anisrotation"]
+    assert f"axffit verify {SVBRDF} --packed-for unity_2018 --read-by hdrp_10" in page.read_text()
+
+
+def test_an_unknown_engine_is_named(capsys):
+    assert dispatch(["verify", str(SVBRDF), "--read-by", "godot"]) == 2
+    assert "unknown target 'godot'; allowed: unity_2018, hdrp_10, png16, unreal, mdl" in capsys.readouterr().err
+
+
 def test_run_needs_no_command_line():
     stages = []
     verified = verify.run(PAINT, progress=lambda stage, fraction: stages.append((stage, fraction)))

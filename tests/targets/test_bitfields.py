@@ -16,6 +16,7 @@ from axffit.targets.bitfields import (
     BrdfType,
     BrdfVariants,
     Flags,
+    HdrpFlags,
     word_from_float,
 )
 
@@ -30,6 +31,9 @@ def test_packing_is_total_and_survives_float32(word):
     flags = Flags(word)
     assert int(flags) == word
     assert int(flags) & 0b1111 | flags.unknown == word
+    later = HdrpFlags(word)
+    assert int(later) == word
+    assert int(later) & sum(HdrpFlags) | later.unknown == word
 
 
 def test_every_type_and_variant_has_its_documented_code():
@@ -55,6 +59,17 @@ def test_flag_predicates():
         True, False, False, True,
     )  # fmt: skip
     assert [int(flag) for flag in Flags] == [1, 2, 4, 8]
+
+
+def test_flag_predicates_of_later_shaders():
+    word = HdrpFlags(16 + 2 + (1 << 9))
+    assert (word.clamps_color_table, word.has_clear_coat, word.honors_min_roughness_of_coat) == (True, True, True)
+    assert (word.honors_min_roughness, word.is_debug, word.is_anisotropic, word.unknown) == (False, False, False, 0)
+    assert [int(flag).bit_length() - 1 for flag in HdrpFlags] == [0, 1, 2, 3, 4, 8, 9, 23]
+    everything = HdrpFlags(sum(HdrpFlags))
+    assert everything.is_debug
+    assert word_from_float(np.float32(int(everything))) == int(everything)
+    assert HdrpFlags(1 << 5).unknown == 1 << 5
 
 
 def test_words_without_a_meaning_are_known_as_such():
