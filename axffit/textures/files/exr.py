@@ -28,7 +28,7 @@ def holds(format: str) -> bool:
     form = FORMATS.get(format)
     if form is None:
         return False
-    return form.is_float or not any(codec.lowest < 0 for codec in form.codecs)
+    return _own_float(form) is not None or not any(codec.lowest < 0 for codec in form.codecs)
 
 
 def write(path: Path, image: TextureImage) -> None:
@@ -104,6 +104,12 @@ def read(path: Path, format: str | None = None) -> TextureImage:
     return TextureImage(chosen, _assembled(path, parts, images))
 
 
+def _own_float(form: NumberFormat) -> IeeeFloat | None:
+    """The float of all channels where EXR has it too, half or single."""
+    codec = form.codecs[0]
+    return codec if isinstance(codec, IeeeFloat) and codec.bits in (16, 32) else None
+
+
 def _last(level: np.ndarray) -> tuple[int, int]:
     return level.shape[-2] - 1, level.shape[-3] - 1
 
@@ -114,9 +120,9 @@ def _part_name(level: int, index: int | None) -> str:
 
 def _values(codes: np.ndarray, form: NumberFormat, path: Path) -> np.ndarray:
     """Numbers that EXR stores: the float's own bits, or the exact number rounded to a single float."""
-    codec = form.codecs[0]
-    if isinstance(codec, IeeeFloat):
-        return np.ascontiguousarray(codes).view(codec.float_type)
+    own = _own_float(form)
+    if own is not None:
+        return np.ascontiguousarray(codes).view(own.float_type)
     values = form.decode(codes).astype(np.float32)
     if not np.array_equal(form.encode(values.astype(np.float64)), codes):
         raise InputError(f"{path}: codes of {form.name} do not come back from EXR's floats; choose dds or ktx2")
@@ -124,16 +130,16 @@ def _values(codes: np.ndarray, form: NumberFormat, path: Path) -> np.ndarray:
 
 
 def _codes(values: np.ndarray, form: NumberFormat, path: Path) -> np.ndarray:
-    codec = form.codecs[0]
+    own = _own_float(form)
     if values.dtype not in (np.float16, np.float32):
         raise InputError(f"{path}: holds {values.dtype}; {form.name} is read from half or float")
-    if not isinstance(codec, IeeeFloat):
+    if own is None:
         if form.outside(values.astype(np.float64)).any():
             raise InputError(f"{path}: values outside the range of {form.name}; store them as a float format")
         return form.encode(values.astype(np.float64))
-    if values.dtype != codec.float_type:
-        raise InputError(f"{path}: holds {values.dtype}; {form.name} needs {np.dtype(codec.float_type)}")
-    return np.ascontiguousarray(values).view(codec.code_type)
+    if values.dtype != own.float_type:
+        raise InputError(f"{path}: holds {values.dtype}; {form.name} needs {np.dtype(own.float_type)}")
+    return np.ascontiguousarray(values).view(own.code_type)
 
 
 def _format_of(path: Path, part: Part) -> str:
