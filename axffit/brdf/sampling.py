@@ -36,7 +36,8 @@ def cosine_density(wi: Direction) -> Scalar:
 
 def mirrored(wo: Direction, half: Direction) -> Direction:
     """``wo`` mirrored about ``half``; ``DOWN`` where that lies below the horizon or ``wo`` behind the facet."""
-    wi = reflect(wo, half)
+    # Unit also where ``half`` is the difference of nearly equal vectors, which a compiler may round twice and unalike.
+    wi = normalize(reflect(wo, half))
     return jnp.where((wi[2] > 0) & (dot(wo, half) > 0), wi, jnp.asarray(DOWN, wo.dtype))
 
 
