@@ -20,7 +20,7 @@ def descriptor(form: NumberFormat) -> bytes:
 
     ``lower`` and ``upper`` of a sample are the codes of the range's ends: 0 and 2^n - 1 of UNORM, 0 and 1 of plain
     integers, -1 and 1 of signed numbers (floats as binary32), 0 and 1 of unsigned floats. RGB9E5 has two samples a
-    channel, its mantissa and the common exponent (section 10.3 of the specification).
+    channel, its mantissa and the common exponent.
 
     Raises:
         ValueError: a channel of a kind that is not known here.
