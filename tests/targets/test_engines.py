@@ -236,7 +236,8 @@ def test_mdl_bakes_the_paint_and_keeps_what_is_baked():
     assert packed.values["ct_coeffs"] == pytest.approx((0.4, 0.8, 1.2))
     assert any("baked into a measured BRDF" in note for note in packed.notes)
     assert any("of 4 lobes the importer takes the first 3" in note for note in packed.notes)
-    np.testing.assert_array_equal(mdl.unpack(packed).properties["CT_coeffs"], np.float32([0.1, 0.2, 0.3]))
+    back = mdl.unpack(packed).properties["CT_coeffs"]
+    np.testing.assert_array_equal(back, np.array([0.1, 0.2, 0.3], np.float32))
 
 
 NOTES = {
