@@ -7,6 +7,9 @@ from typing import Any, Literal
 import h5py
 import h5py.h5a
 import h5py.h5d
+import h5py.h5g
+import h5py.h5o
+import h5py.h5p
 import h5py.h5r
 import h5py.h5s
 import h5py.h5t
@@ -122,55 +125,77 @@ def restore(root: h5py.Group, extras: Sequence[AxfExtra]) -> None:
 
 def _restore(root: h5py.Group, extra: AxfExtra) -> None:
     holder, name = _holder(root, extra), _bytes(extra.parts[-1])
+    if extra.kind == "attribute":
+        stored = h5py.h5t.decode(extra.type)
+        _write(h5py.h5a.create(holder, name, stored, _space(extra)), extra, stored, root.file)
+        return
+    if not isinstance(holder, h5py.h5g.GroupID):
+        raise TypeError("what should hold it is no group")
+    # Low-level calls throughout: only they take names that are no UTF-8, as bytes.
+    names = h5py.h5p.create(h5py.h5p.LINK_CREATE)
+    names.set_char_encoding(h5py.h5t.CSET_UTF8)
     if extra.kind == "group":
-        if name not in holder:
-            holder.create_group(name)
-    elif extra.kind == "soft link":
-        holder.id.links.create_soft(name, _bytes(str(extra.content[0])))
-    elif extra.kind == "hard link":
-        target = _bytes(str(extra.content[0]))
-        if target in root.file:
-            holder[name] = root.file[target]
-        else:
-            holder.id.links.create_soft(name, target)
+        if not holder.links.exists(name):
+            h5py.h5g.create(holder, name, lcpl=names)
     elif extra.kind == "type":
-        h5py.h5t.decode(extra.type).commit(holder.id, name)
+        h5py.h5t.decode(extra.type).commit(holder, name, lcpl=names)
+    elif extra.kind == "dataset":
+        stored = h5py.h5t.decode(extra.type)
+        node = h5py.h5d.create(holder, None, stored, _space(extra))
+        _write(node, extra, stored, root.file)
+        h5py.h5o.link(node, holder, name, lcpl=names)
     else:
-        _restore_values(holder, name, extra, root.file)
+        target = _bytes(str(extra.content[0]))
+        node = _found(root.file, target) if extra.kind == "hard link" else None
+        if node is None:
+            holder.links.create_soft(name, target, lcpl=names)
+        else:
+            h5py.h5o.link(node, holder, name, lcpl=names)
 
 
 def _holder(root: h5py.Group, extra: AxfExtra) -> Any:
-    """What holds the node: a group, or for an attribute whatever stands there."""
-    above = b"/".join(map(_bytes, extra.parts[:-1]))
-    if not above:
-        return root
-    if extra.kind == "attribute" and above in root:
-        return root[above]
-    return root.require_group(above)
+    """What holds the node: a group, made if need be, or for an attribute whatever stands there."""
+    holder = root.id
+    for name in map(_bytes, extra.parts[:-1]):
+        if not isinstance(holder, h5py.h5g.GroupID):
+            raise TypeError("what should hold it is no group")
+        if not holder.links.exists(name):
+            h5py.h5g.create(holder, name)
+        holder = h5py.h5o.open(holder, name)
+    return holder
 
 
-def _restore_values(holder: Any, name: bytes, extra: AxfExtra, file: h5py.File) -> None:
-    stored = h5py.h5t.decode(extra.type)
+def _space(extra: AxfExtra) -> h5py.h5s.SpaceID:
     if extra.shape is None:
-        space = h5py.h5s.create(h5py.h5s.NULL)
-    else:
-        space = h5py.h5s.create_simple(extra.shape) if extra.shape else h5py.h5s.create(h5py.h5s.SCALAR)
-    if extra.kind == "attribute":
-        node = h5py.h5a.create(holder.id, name, stored, space)
-    else:
-        node = h5py.h5d.create(holder.id, name, stored, space)
+        return h5py.h5s.create(h5py.h5s.NULL)
+    return h5py.h5s.create_simple(extra.shape) if extra.shape else h5py.h5s.create(h5py.h5s.SCALAR)
+
+
+def _found(file: h5py.File, path: bytes) -> Any:
+    """The object at an absolute path, or None."""
+    try:
+        return h5py.h5o.open(file.id, path)
+    except (OSError, RuntimeError, ValueError, KeyError):
+        return None
+
+
+def _write(node: Any, extra: AxfExtra, stored: h5py.h5t.TypeID, file: h5py.File) -> None:
+    content = extra.content
     if extra.shape is None or 0 in extra.shape:
         return
-    content = extra.content
     if isinstance(content, bytes):
-        values = np.frombuffer(content, np.dtype(("V", stored.get_size()))).reshape(extra.shape)
-        _write(node, values.copy(), stored)
+        values = np.frombuffer(bytearray(content), np.dtype(("V", stored.get_size())))
     elif isinstance(content, tuple):
-        references = np.empty(len(content), h5py.ref_dtype)
-        references[:] = [_reference(path, file) for path in content]
-        _write(node, references.reshape(extra.shape), h5py.h5t.py_create(references.dtype))
+        values = np.empty(len(content), h5py.ref_dtype)
+        values[:] = [_reference(path, file) for path in content]
     else:
-        _write(node, content, h5py.h5t.py_create(content.dtype))
+        values = content
+    values = values.reshape(extra.shape)
+    memory_type = stored if isinstance(content, bytes) else h5py.h5t.py_create(values.dtype)
+    if isinstance(node, h5py.h5a.AttrID):
+        node.write(values, mtype=memory_type)
+    else:
+        node.write(h5py.h5s.ALL, h5py.h5s.ALL, values, mtype=memory_type)
 
 
 def _read(node: Any, values: np.ndarray, memory_type: h5py.h5t.TypeID) -> None:
@@ -180,13 +205,6 @@ def _read(node: Any, values: np.ndarray, memory_type: h5py.h5t.TypeID) -> None:
         node.read(values, mtype=memory_type)
     else:
         node.read(h5py.h5s.ALL, h5py.h5s.ALL, values, mtype=memory_type)
-
-
-def _write(node: Any, values: np.ndarray, memory_type: h5py.h5t.TypeID) -> None:
-    if isinstance(node, h5py.h5a.AttrID):
-        node.write(values, mtype=memory_type)
-    else:
-        node.write(h5py.h5s.ALL, h5py.h5s.ALL, values, mtype=memory_type)
 
 
 def _is_path_list(extra: AxfExtra) -> bool:
@@ -199,7 +217,9 @@ def _target(reference: h5py.Reference, file: h5py.File) -> str:
 
 
 def _reference(path: str, file: h5py.File) -> h5py.Reference:
-    return file[_bytes(path)].ref if path and _bytes(path) in file else h5py.Reference()
+    if not path or _found(file, _bytes(path)) is None:
+        return h5py.Reference()
+    return h5py.h5r.create(file.id, _bytes(path), h5py.h5r.OBJECT)
 
 
 def _bytes(name: str) -> bytes:

@@ -66,7 +66,7 @@ def _read(tree: Tree, source: str, *, validate: bool) -> AxfFile:
     for node in tree.unread:
         inside = not (node.attribute and len(node.parts) == 2)
         (unread.get(node.parts[:2], elsewhere) if inside else elsewhere).append(node)
-    keeper = _Keeper()
+    keeper = _Keeper(MAXIMUM_KEPT)
     for group in leaves:
         index, material = _material(Gathered.collect(leaves[group], group[-1]), unread[group], keeper, own=own)
         if validate:
@@ -102,9 +102,9 @@ def _material(gathered: Gathered, unread: list[Unread], keeper: "_Keeper", *, ow
 
 @dataclass
 class _Keeper:
-    """Takes what was not used as it is, up to `MAXIMUM_KEPT` bytes of a file."""
+    """Takes what was not used as it is, up to ``room`` bytes of a file."""
 
-    room: int = MAXIMUM_KEPT
+    room: int
 
     def keep(self, nodes: Sequence[Leaf | Unread], above: int) -> tuple[tuple[AxfExtra, ...], tuple[str, ...]]:
         """The nodes below the first ``above`` names, and a line on each; one that cannot be kept says why."""

@@ -74,6 +74,7 @@ def weights(wavelengths: tuple[float, ...]) -> np.ndarray:
     """
     try:
         import colour
+        from colour.utilities import suppress_warnings
     except ImportError as error:
         raise InputError(
             "colors given as spectra are converted by colour-science: pip install 'axffit[color]'"
@@ -82,7 +83,7 @@ def weights(wavelengths: tuple[float, ...]) -> np.ndarray:
     samples = colour.MultiSpectralDistributions(np.eye(len(wavelengths)), list(wavelengths))
     few = colour.LinearInterpolator if len(wavelengths) < _SPRAGUE else None
     # It warns of unequal steps, which is what the spline is for.
-    with colour.utilities.suppress_warnings(colour_runtime_warnings=True):
+    with suppress_warnings(colour_runtime_warnings=True):
         contributions = samples.align(observer.shape, interpolator=few).values
     xyz = contributions.T @ observer.values / observer.values[:, 1].sum()
     white = xyz.sum(axis=0)
