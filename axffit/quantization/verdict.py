@@ -11,6 +11,7 @@ import numpy as np
 from .. import __version__
 from ..targets import PackedTexture, Problem
 from .brdf_error import BrdfErrors, Found
+from .diagnosis import Fault
 from .maps import Statistics, finite_or_none
 from .tolerances import Tolerance
 
@@ -167,6 +168,7 @@ class Verdict:
         lut: the slice table of a car paint with flakes, or None.
         brdf: the BRDF level.
         problems: broken obligations of the packed material.
+        faults: what the packer did wrong, where it has a name.
         values: the packed values by the target's names.
         notes: what a person should know.
         tolerances: where the limits come from.
@@ -182,6 +184,7 @@ class Verdict:
     lut: LutVerdict | None
     brdf: BrdfVerdict
     problems: tuple[Problem, ...]
+    faults: tuple[Fault, ...]
     values: Mapping[str, Any]
     notes: tuple[str, ...]
     tolerances: str
@@ -189,8 +192,8 @@ class Verdict:
 
     @property
     def within(self) -> bool:
-        """Whether every check is within its limit and no obligation is broken."""
-        return not self.problems and all(check.within for check in self.checks())
+        """Whether every check is within its limit, no obligation is broken and no fault named."""
+        return not self.problems and not self.faults and all(check.within for check in self.checks())
 
     def checks(self) -> Iterator[Check]:
         """Every number that was compared with a limit."""
@@ -200,20 +203,25 @@ class Verdict:
         yield from self.brdf.checks
 
     def failures(self) -> tuple[str, ...]:
-        """What is outside, one line each; empty when within."""
+        """What is outside, one line each, named faults first; empty when within."""
         outside = [
             f"{check.name}: {check.value:.4g} > {check.tolerance.limit:.4g}"
             for check in self.checks()
             if check.tolerance is not None and not check.within
         ]
-        return (*outside, *(str(problem) for problem in self.problems))
+        return (*map(str, self.faults), *outside, *map(str, self.problems))
+
+    def engines(self) -> str:
+        """For which engine it was packed, and which one reads it where that is another."""
+        if self.target == self.packed_for:
+            return f"for {self.target}"
+        return f"packed for {self.packed_for}, read by {self.target}"
 
     def summary(self) -> str:
         """One line for people."""
         failures = self.failures()
         outcome = "within tolerance" if not failures else f"outside tolerance ({len(failures)}): {failures[0]}"
-        engines = self.target if self.target == self.packed_for else f"{self.packed_for}, read by {self.target}"
-        return f"{self.id} for {engines}: {len(self.textures)} textures, {outcome}"
+        return f"{self.id} {self.engines()}: {len(self.textures)} textures, {outcome}"
 
     def to_json(self) -> dict[str, Any]:
         """The whole verdict without the pictures; validates against `schema`."""
@@ -231,6 +239,7 @@ class Verdict:
             "textures": [texture.to_json() for texture in self.textures],
             "lut": None if self.lut is None else self.lut.to_json(),
             "brdf": self.brdf.to_json(),
+            "faults": [fault.to_json() for fault in self.faults],
             "flags": [asdict(problem) for problem in self.problems],
             "values": {name: list(v) if isinstance(v, tuple) else v for name, v in self.values.items()},
             "notes": list(self.notes),

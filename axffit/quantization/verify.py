@@ -12,8 +12,10 @@ from ..axf import AxfMaterial, AxfTexture, MaterialKind
 from ..errors import InputError
 from ..targets import PackedMaterial, PackedTexture, Problem, target_named
 from ..targets.encoding import decode_rows
-from . import mismatch
+from ..targets.table import SLICE_TABLE
+from . import diagnosis, mismatch
 from .brdf_error import brdf_errors
+from .diagnosis import Fault
 from .maps import MapErrors, map_errors
 from .measures import has_color_science
 from .samples import sample_texels
@@ -81,8 +83,12 @@ def verify_packed(
         progress: as in `verify`.
 
     Raises:
-        InputError: a target is unknown.
+        InputError: a target is unknown, or the packed material is of another kind.
     """
+    if packed.kind is not material.kind:
+        raise InputError(
+            f"{packed.id}: is packed as a {packed.kind.value}, but {material.id} is a {material.kind.value}"
+        )
     packer, module = target_named(packed.target), target_named(read_by or packed.target)
     foreign = module is not packer
     defaults = {t.axf_name: packer.default_values(t.name) for t in packed.textures.values() if t.defaulted}
@@ -93,7 +99,7 @@ def verify_packed(
     problems = [*(mismatch.reader_problems(broken, packed) if foreign else broken), *_lost(material, packed)]
     unreadable = {problem.subject for problem in problems if problem.obligation.startswith("texture.")}
     errors: dict[str, MapErrors] = {}
-    readable = [t for t in packed.textures.values() if t.name not in unreadable and t.axf_name != "thetaFI_sliceLUT"]
+    readable = [t for t in packed.textures.values() if t.name not in unreadable and t.axf_name != SLICE_TABLE]
     for number, texture in enumerate(readable):
         report("measuring map errors", number / len(readable))
         original = _original(material, texture, defaults)
@@ -102,8 +108,13 @@ def verify_packed(
     textures = tuple(
         _texture_verdict(t, module.reading(t, packed.values).formula, errors[t.name], tolerances) for t in readable
     )
+    faults: list[Fault] = []
     if foreign:
         problems.extend(mismatch.misread(textures, packer.NAME, module.NAME))
+    else:
+        outside = {texture.packed.name for texture in textures if not texture.within}
+        faults.extend(diagnosis.faults(material, packed, errors, outside))
+        faults.extend(_table_faults(material, packed, module))
     return Verdict(
         id=material.id,
         name=material.name,
@@ -114,6 +125,7 @@ def verify_packed(
         lut=_lut_verdict(material, packed, module, tolerances),
         brdf=_brdf_verdict(material, packed, module, errors, tolerances, report),
         problems=tuple(problems),
+        faults=tuple(faults),
         values=packed.values,
         notes=(*packed.notes, *_missing_measures()),
         tolerances=tolerances.source,
@@ -134,9 +146,14 @@ def _missing_measures() -> tuple[str, ...]:
 
 
 def _lost(material: AxfMaterial, packed: PackedMaterial) -> Iterator[Problem]:
-    """Textures that AxF has and the packed material lacks, or holds in another size."""
+    """Textures that AxF has and the packed material lacks, or holds in another size; those that AxF has not."""
     by_axf = {texture.axf_name: texture for texture in packed.textures.values()}
     module = target_named(packed.target)
+    for name, texture in packed.textures.items():
+        if module.texture_name(texture.axf_name, material.kind) != name:
+            yield Problem("texture.name", name, f"is said to be AxF's {texture.axf_name}, which has another name here")
+        elif not texture.defaulted and texture.axf_name != SLICE_TABLE and texture.axf_name not in material.textures:
+            yield Problem("texture.extra", name, f"AxF has no {texture.axf_name}; leave it out, or call it a default")
     for key, original in material.textures.items():
         name = module.texture_name(key, material.kind)
         texture = by_axf.get(key)
@@ -169,14 +186,22 @@ def _texture_verdict(packed: PackedTexture, reading: str, errors: MapErrors, tol
     return TextureVerdict(packed, tuple(measures), reading)
 
 
+def _table_faults(material: AxfMaterial, packed: PackedMaterial, module: ModuleType) -> Iterator[Fault]:
+    wanted = material.properties.get(SLICE_TABLE)
+    table = next((t for t in packed.textures.values() if t.axf_name == SLICE_TABLE), None)
+    if wanted is not None and table is not None:
+        fault = diagnosis.table_fault(np.asarray(wanted), table, module.reading(table, packed.values))
+        yield from () if fault is None else (fault,)
+
+
 _HALF_DECODE = "half texel, float32 product"
 
 
 def _lut_verdict(
     material: AxfMaterial, packed: PackedMaterial, module: ModuleType, tolerances: Tolerances
 ) -> LutVerdict | None:
-    wanted = material.properties.get("thetaFI_sliceLUT")
-    table = next((t for t in packed.textures.values() if t.axf_name == "thetaFI_sliceLUT"), None)
+    wanted = material.properties.get(SLICE_TABLE)
+    table = next((t for t in packed.textures.values() if t.axf_name == SLICE_TABLE), None)
     if wanted is None or table is None:
         return None
     found = decode_rows(table.levels[0], module.reading(table, packed.values), table.number_format, 1).reshape(-1)
