@@ -32,6 +32,7 @@ def table(columns: Iterable[str], rows: Iterable[Iterable[str]], *, text_columns
 def verdict_parts(content: Content) -> list[object]:
     """A verdict: one row a texture, the levels above the textures, what is wrong, and the outcome."""
     from axffit.report.numbers import number, significant
+    from axffit.report.summary import engines
 
     rows = [
         (
@@ -47,7 +48,7 @@ def verdict_parts(content: Content) -> list[object]:
     ]
     columns = ("texture", "format", "error", "mean", "95 %", "max", "tolerance", "clamped", "")
     parts: list[object] = [
-        f"{content['material']['name']}, for {content['target']}",
+        f"{content['material']['name'] or content['material']['id']}, {engines(content)}",
         table(columns, rows, text_columns=3),
     ]
     parts += [
@@ -65,6 +66,18 @@ def verdict_parts(content: Content) -> list[object]:
     parts += [f"note: {note}" for note in content["notes"]]
     parts += [f"OUTSIDE: {failure}" for failure in content["failures"]]
     return [*parts, content["summary"]]
+
+
+def judged_parts(document: Content) -> list[object]:
+    """Verdicts: all of it for a single one; else each one's summary, what is outside below it, and the outcome."""
+    materials = document["materials"]
+    if len(materials) == 1:
+        return verdict_parts(materials[0]["verdict"])
+    parts: list[object] = []
+    for entry in materials:
+        parts.append(f"{entry['file']}: {entry['verdict']['summary']}")
+        parts += [f"  OUTSIDE: {failure}" for failure in entry["verdict"]["failures"]]
+    return [*parts, document["summary"]]
 
 
 def fit_parts(content: Content) -> list[object]:

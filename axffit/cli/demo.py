@@ -108,7 +108,8 @@ def run(folder: Path, *, size: int = 512, quick: bool = False, progress: Progres
     verified = []
     for name in MATERIALS:
         path = materials / name / f"{name}.axf"
-        verified.append(report.VerifiedMaterial(*verify.run(path, progress=_prefixed(say, name))))
+        (judged,) = verify.run([path], progress=_prefixed(say, name))
+        verified.append(report.VerifiedMaterial(judged.verdict, judged.material))
     fitted = []
     references = [] if quick else reference_samples()
     for samples in [PAINT._replace(file=materials / PAINT.file), *references]:

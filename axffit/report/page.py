@@ -17,7 +17,7 @@ from axffit.report.numbers import number, significant
 from axffit.report.pictures import color_scale_css
 from axffit.report.sampled_view import compare_view, fit_view
 from axffit.report.sections import SPHERE_SIZE, ComparedSamples, FittedSamples, Section, VerifiedMaterial
-from axffit.report.summary import summarize
+from axffit.report.summary import engines, summarize
 from axffit.report.verify_view import verify_view
 
 SCHEMA_VERSION = 1
@@ -62,9 +62,12 @@ def verify_page(
     items: Sequence[VerifiedMaterial], run: Run, *, title: str | None = None, progress: Progress | None = None
 ) -> Page:
     """The page of one or more verdicts."""
-    return demo_page(
-        verified=items, run=run, title=title or f"Verification of {_names(items, 'material')}", progress=progress
-    )
+    return verdict_page(_drawn(items, SPHERE_SIZE, progress), run, title=title)
+
+
+def verdict_page(sections: Sequence[Section], run: Run, *, title: str | None = None) -> Page:
+    """The same of sections drawn one after the other, so that not all materials are held at once."""
+    return _page(sections, run, title or _verification([section.content for section in sections]))
 
 
 def fit_page(
@@ -102,13 +105,24 @@ def demo_page(
         sphere_size: pixels along each side of the spheres.
         progress: called with what is being done and how much of it is (0 to 1).
     """
-    items = (*verified, *fitted, *compared)
+    return _page(_drawn((*verified, *fitted, *compared), sphere_size, progress), run, title)
+
+
+def _drawn(items: Sequence[Any], sphere_size: int, progress: Progress | None) -> list[Section]:
     sections = []
     for done, item in enumerate(items):
         if progress is not None:
             progress("drawing the page", done / len(items))
         sections.append(item.section(sphere_size=sphere_size))
-    return _page(sections, run, title)
+    return sections
+
+
+def _verification(contents: Sequence[Mapping[str, Any]]) -> str:
+    """What was verified; where one engine packs and another reads, which."""
+    name = contents[0]["title"] if len(contents) == 1 else f"{len(contents)} materials"
+    ways = {engines(content["result"]) for content in contents}
+    foreign = any(content["result"]["target"] != content["result"]["packed_for"] for content in contents)
+    return f"{name}, {ways.pop()}" if foreign and len(ways) == 1 else f"Verification of {name}"
 
 
 def _comparison(items: Sequence[ComparedSamples]) -> str:
@@ -118,10 +132,7 @@ def _comparison(items: Sequence[ComparedSamples]) -> str:
 def _names(items: Sequence[Any], many: str) -> str:
     if len(items) != 1:
         return f"{len(items)} {many}s"
-    item = items[0]
-    if isinstance(item, VerifiedMaterial):
-        return item.verdict.name or item.verdict.id
-    return item.measurements.name or f"a {many}"
+    return items[0].measurements.name or f"a {many}"
 
 
 def _page(sections: Sequence[Section], run: Run, title: str) -> Page:

@@ -21,6 +21,12 @@ def summarize(sections: Sequence[Mapping[str, Any]]) -> tuple[str, bool | None]:
     return " ".join(sentences), within
 
 
+def engines(verdict: Mapping[str, Any]) -> str:
+    """For which engine a verdict is; both where one packs and another reads."""
+    target, packer = verdict["target"], verdict["packed_for"]
+    return f"verified for {target}" if packer == target else f"packed for {packer}, read by {target}"
+
+
 def _counted(number: int, one: str) -> str:
     words = ("No", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine")
     return f"{words[number] if number < len(words) else number} {one}{'' if number == 1 else 's'}"
@@ -31,9 +37,9 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _verdicts(verdicts: Sequence[Mapping[str, Any]]) -> str:
-    targets = _listed(sorted({v["target"] for v in verdicts}))
+    ways = _listed(sorted({engines(v) for v in verdicts}))
     textures = sum(len(v["textures"]) for v in verdicts)
-    opening = f"{_counted(len(verdicts), 'material')} verified for {targets}, {textures} textures in all: "
+    opening = f"{_counted(len(verdicts), 'material')} {ways} ({textures} textures): "
     outside = [v for v in verdicts if not v["within"]]
     if not outside:
         return opening + "every error is within its tolerance."

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from axffit.report.numbers import MISSING, count, number, percent, significant
+from axffit.report.summary import engines
 
 TEXTURES = {
     "diffusecolor": "Diffuse color",
@@ -42,7 +43,7 @@ def verify_view(content: Mapping[str, Any]) -> dict[str, Any]:
     result = content["result"]
     textures = [_texture(row, content["error_maps"].get(row["name"])) for row in result["textures"]]
     return {
-        "kicker": f"{result['material']['kind']} verified for {result['target']}",
+        "kicker": f"{result['material']['kind']} {engines(result)}",
         "badge": {
             "tone": "good" if result["within"] else "bad",
             "text": "within tolerance" if result["within"] else "outside tolerance",

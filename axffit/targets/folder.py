@@ -125,7 +125,7 @@ def read(folder: Path, *, progress: Progress | None = None) -> AxfFile:
     """
     say = progress or (lambda stage, fraction: None)
     found = []
-    for path in _described_folders(folder):
+    for path in material_folders(folder):
         described = parse(path / FILE)
         module = target_named(described.target)
         _check_names(path, described, module)
@@ -200,7 +200,12 @@ def _write_material(
     return described
 
 
-def _described_folders(folder: Path) -> Sequence[Path]:
+def material_folders(folder: Path) -> Sequence[Path]:
+    """The folder itself, or its sub-folders, that hold a `material.json`.
+
+    Raises:
+        InputError: none does.
+    """
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder; give the one that axffit export wrote")
     if (folder / FILE).is_file():

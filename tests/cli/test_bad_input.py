@@ -118,7 +118,7 @@ CASES = {
     "empty file": Case(empty_file, VERIFY, ("nothing.axf", "HDF5")),
     "empty HDF5": Case(empty_hdf5, VERIFY, ("empty.axf", "no material", "/com.xrite.Materials/")),
     "truncated .axf": Case(truncated(SVBRDF), VERIFY, ("truncated.axf", "HDF5")),
-    "folder called .axf": Case(lambda folder: folder, VERIFY, ("not a file",)),
+    "folder without .axf files": Case(lambda folder: folder, VERIFY, ("holds no .axf file",)),
     "NaN in a map": Case(edited(SVBRDF, set_one(NORMALS, np.nan)), VERIFY, ("edited_", "DiffuseModel/Normal", "nan")),
     "LUT entry of 300": Case(edited(PAINT, set_one(LUT, 300)), VERIFY, ("edited_", LUT, "300", "255")),
     "color table of rank 2": Case(
@@ -185,8 +185,9 @@ def test_nan_in_the_index_of_refraction_is_counted_and_not_refused(tmp_path):
     textures = {**material.textures, "clearcoatior": replace(ior, levels=(holes,))}
     axf.write(path, replace(material, textures=textures))
     assert dispatch(["verify", str(path), "--json", str(tmp_path / "verdict.json")]) in (0, 1)
-    rows = json.loads((tmp_path / "verdict.json").read_text())["textures"]
-    assert {row["axf_name"]: row["replaced"] for row in rows}["clearcoatior"] == np.isnan(holes).sum()
+    (entry,) = json.loads((tmp_path / "verdict.json").read_text())["materials"]
+    replaced = {row["axf_name"]: row["replaced"] for row in entry["verdict"]["textures"]}
+    assert replaced["clearcoatior"] == np.isnan(holes).sum()
 
 
 def test_a_fault_of_axffit_is_told_apart_from_bad_input(monkeypatch, capfd):

@@ -7,7 +7,7 @@ import jsonschema
 import pytest
 
 from axffit.cli import dispatch, verify
-from axffit.quantization.verdict import schema
+from axffit.quantization.document import schema
 from tests.conftest import PROJECT
 
 SVBRDF = PROJECT / "data_synthetic" / "brushed_carbon" / "brushed_carbon.axf"
@@ -20,8 +20,11 @@ def test_bundled_materials_are_within_tolerance(path, tmp_path, capsys):
     code = dispatch(["verify", str(path), "--json", str(results[0]), "--html", str(results[1])])
     shown = capsys.readouterr().out
     assert code == 0, shown
-    content = json.loads(results[0].read_text())
-    jsonschema.validate(content, schema())
+    document = json.loads(results[0].read_text())
+    jsonschema.validate(document, schema())
+    (entry,) = document["materials"]
+    assert (entry["file"], entry["packed"]) == (str(path), None)
+    content = entry["verdict"]
     # Each texture has its line, the outcome is the last.
     assert not [row["axf_name"] for row in content["textures"] if f"\n{row['axf_name']}" not in shown]
     assert shown.splitlines()[-1] == content["summary"]
@@ -59,12 +62,15 @@ def test_another_engine_reads_the_angle_at_half_and_ends_in_1(tmp_path, capsys):
     mismatch = next(line for line in shown if line.startswith("OUTSIDE: mismatch: _SVBRDF_AnisoRotationMap"))
     for words in ("anisrotation", "0.5 (1 + x / pi)", "0.5 (1 + x / (pi/2))", "degrees off"):
         assert words in mismatch
-    content = json.loads(verdict.read_text())
+    content = json.loads(verdict.read_text())["materials"][0]["verdict"]
     row = next(row for row in content["textures"] if row["axf_name"] == "anisrotation")
     assert (row["unit"], row["within"]) == ("degrees", False)
     assert row["max"] > 80
     assert [each["axf_name"] for each in content["textures"] if not each["within"]] == ["anisrotation"]
-    assert f"axffit verify {SVBRDF} --packed-for unity_2018 --read-by hdrp_10" in page.read_text()
+    assert shown[0] == "Brushed steel in carbon fiber (synthetic), packed for unity_2018, read by hdrp_10"
+    text = page.read_text()
+    assert f"axffit verify {SVBRDF} --packed-for unity_2018 --read-by hdrp_10" in text
+    assert "<h1>Brushed steel in carbon fiber (synthetic), packed for unity_2018, read by hdrp_10</h1>" in text
 
 
 def test_an_unknown_engine_is_named(capsys):
@@ -74,7 +80,7 @@ def test_an_unknown_engine_is_named(capsys):
 
 def test_run_needs_no_command_line():
     stages = []
-    verified = verify.run(PAINT, progress=lambda stage, fraction: stages.append((stage, fraction)))
+    (verified,) = verify.run([PAINT], progress=lambda stage, fraction: stages.append((stage, fraction)))
     assert verified.verdict.within
     assert verified.material.id == "metallic_paint"
     assert all(0.0 <= fraction <= 1.0 for _, fraction in stages)
