@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from .material import AxfMaterial, AxfTexture
+from .material import AxfMaterial, AxfTexture, same_extras, same_pictures
 
 SCHEMA_VERSION = 1
 
@@ -21,6 +21,7 @@ _DESCRIBED = (
     "specular_variant",
     "fresnel_variant",
     "anisotropic",
+    "representation",
 )
 
 
@@ -37,6 +38,7 @@ def difference(a: AxfMaterial, b: AxfMaterial) -> dict[str, Any]:
         for name in _DESCRIBED
         if getattr(a, name) != getattr(b, name)
     ]
+    fields += _beside(a, b)
     properties = [
         _pair(key, _listed(a.properties.get(key)), _listed(b.properties.get(key)))
         for key in _both(a.properties, b.properties)
@@ -66,6 +68,20 @@ def difference(a: AxfMaterial, b: AxfMaterial) -> dict[str, Any]:
     }
 
 
+def _beside(a: AxfMaterial, b: AxfMaterial) -> list[dict[str, Any]]:
+    """What a material holds besides what it reflects, where it differs: by name, or how often."""
+    found = []
+    if not same_pictures(a.previews, b.previews):
+        found.append(_pair("previews", sorted(a.previews), sorted(b.previews)))
+    if not same_extras(a.extras, b.extras):
+        paths = ([extra.path for extra in each.extras] for each in (a, b))
+        found.append(_pair("extras", *(sorted(each) for each in paths)))
+    same = len(a.alternatives) == len(b.alternatives)
+    if not (same and all(x.identical(y) for x, y in zip(a.alternatives, b.alternatives, strict=True))):
+        found.append(_pair("alternatives", *([x.representation for x in each.alternatives] for each in (a, b))))
+    return found
+
+
 def _texture(key: str, a: AxfTexture | None, b: AxfTexture | None) -> dict[str, Any] | None:
     """How a texture differs, or None where it does not."""
     if a is None or b is None:
@@ -73,16 +89,22 @@ def _texture(key: str, a: AxfTexture | None, b: AxfTexture | None) -> dict[str, 
     if a.identical(b):
         return None
     what = []
-    shapes = tuple(level.shape for level in a.levels), tuple(level.shape for level in b.levels)
+    if bool(a.levels) != bool(b.levels) or bool(a.spectra) != bool(b.spectra):
+        what = ["spectra in one only, or converted in one only"]
+        return {"name": key, "only_in": None, "what": what, "values": None}
+    levels = (a.levels, b.levels) if a.levels else (a.spectra, b.spectra)
+    shapes = tuple(tuple(level.shape for level in each) for each in levels)
     if shapes[0] != shapes[1]:
-        what.append(f"shape: {_shapes(a)} and {_shapes(b)}")
-    if a.data.dtype != b.data.dtype:
-        what.append(f"type: {a.data.dtype.name} and {b.data.dtype.name}")
+        what.append(f"shape: {_shapes(levels[0])} and {_shapes(levels[1])}")
+    if levels[0][0].dtype != levels[1][0].dtype:
+        what.append(f"type: {levels[0][0].dtype.name} and {levels[1][0].dtype.name}")
     if (a.width_mm, a.height_mm) != (b.width_mm, b.height_mm):
         what.append(f"size: {a.width_mm:g} x {a.height_mm:g} mm and {b.width_mm:g} x {b.height_mm:g} mm")
-    values = _values(a, b) if shapes[0] == shapes[1] else None
+    values = _values(*levels) if shapes[0] == shapes[1] else None
     if values is not None and values["differing"]:
         what.append("values")
+    if a.levels and not a.same_spectra(b):
+        what.append("spectra")
     return {
         "name": key,
         "only_in": None,
@@ -91,10 +113,10 @@ def _texture(key: str, a: AxfTexture | None, b: AxfTexture | None) -> dict[str, 
     }
 
 
-def _values(a: AxfTexture, b: AxfTexture) -> dict[str, Any]:
+def _values(a: tuple[np.ndarray, ...], b: tuple[np.ndarray, ...]) -> dict[str, Any]:
     """The largest and the mean absolute difference over all levels; where only one value is finite it counts apart."""
     largest, where, total, count, differing, broken = 0.0, None, 0.0, 0, 0, 0
-    for level, (x, y) in enumerate(zip(a.levels, b.levels, strict=True)):
+    for level, (x, y) in enumerate(zip(a, b, strict=True)):
         x, y = x.astype(np.float64), y.astype(np.float64)
         with np.errstate(invalid="ignore"):
             error = np.where(x == y, 0.0, np.abs(x - y))
@@ -117,9 +139,9 @@ def _values(a: AxfTexture, b: AxfTexture) -> dict[str, Any]:
     }
 
 
-def _shapes(texture: AxfTexture) -> str:
-    levels = f", {len(texture.levels)} levels" if len(texture.levels) > 1 else ""
-    return " x ".join(map(str, texture.data.shape)) + levels
+def _shapes(levels: tuple[np.ndarray, ...]) -> str:
+    finest = " x ".join(map(str, levels[0].shape))
+    return f"{finest}, {len(levels)} levels" if len(levels) > 1 else finest
 
 
 def _pair(name: str, a: Any, b: Any) -> dict[str, Any]:

@@ -90,7 +90,7 @@ def kept(parts: tuple[str, ...], kind: Kind, node: Any, *, file: h5py.File) -> A
         return AxfExtra(parts, kind, stored.encode(), None)
     shape = tuple(int(n) for n in space.shape)
     content: bytes | np.ndarray | tuple[str, ...]
-    if _is_plain(stored):
+    if is_plain(stored):
         values = np.zeros(shape, np.dtype(("V", stored.get_size())))
         _read(node, values, stored)
         content = values.tobytes()
@@ -235,13 +235,13 @@ def _parts_of(stored: h5py.h5t.TypeID) -> list[h5py.h5t.TypeID]:
     return []
 
 
-def _is_plain(stored: h5py.h5t.TypeID) -> bool:
+def is_plain(stored: h5py.h5t.TypeID) -> bool:
     """Whether the bytes of a value are the value, so that they can be copied."""
     if isinstance(stored, (h5py.h5t.TypeVlenID, h5py.h5t.TypeReferenceID)):
         return False
     if isinstance(stored, h5py.h5t.TypeStringID) and stored.is_variable_str():
         return False
-    return all(_is_plain(part) for part in _parts_of(stored))
+    return all(is_plain(part) for part in _parts_of(stored))
 
 
 def _is_object_reference(stored: h5py.h5t.TypeID) -> bool:

@@ -19,7 +19,8 @@ import h5py.h5s
 import numpy as np
 
 from ..errors import InputError
-from .extras import AxfExtra, Kind, kept
+from .extras import AxfExtra, Kind, is_plain, kept
+from .heaps import check_heaps
 
 MAXIMUM_BYTES = 4 * 2**30
 """Declared bytes of one dataset above which it is refused: four times the largest flake stack ever seen."""
@@ -134,6 +135,7 @@ class Unread:
         keep: reads it as it is stored, to be written back.
         size: bytes that its values take.
         attribute: whether it is an attribute.
+        is_empty_group: whether it is a group that holds nothing.
     """
 
     parts: tuple[str, ...]
@@ -141,6 +143,7 @@ class Unread:
     keep: Callable[[], AxfExtra] = field(repr=False)
     size: int = 0
     attribute: bool = False
+    is_empty_group: bool = False
 
     @property
     def line(self) -> str:
@@ -226,6 +229,8 @@ def walk(file: h5py.File) -> Tree:
             if parts and not below and found.count == before:
                 found.link(parts, "an empty group", "group", "")
             pending.extend(reversed(below))
+        if found.heaps:
+            check_heaps(file.filename, file.id.get_create_plist().get_sizes()[1])
     except (OSError, RuntimeError, KeyError, TypeError, UnicodeError, MemoryError) as error:
         raise InputError(f"{_path(parts)}: damaged ({one_line(error)}); get a fresh copy of the file") from error
     except ValueError as error:
@@ -243,13 +248,16 @@ class _Found:
     leaves: list[Leaf] = field(default_factory=list)
     unread: list[Unread] = field(default_factory=list)
     groups: list[tuple[str, ...]] = field(default_factory=list)
+    heaps: bool = False
 
     @property
     def count(self) -> int:
         return len(self.leaves) + len(self.unread)
 
     def link(self, parts: tuple[str, ...], what: str, kind: Kind, target: str) -> None:
-        self.unread.append(Unread(parts, what, lambda: AxfExtra(parts, kind, content=(target,))))
+        self.unread.append(
+            Unread(parts, what, lambda: AxfExtra(parts, kind, content=(target,)), is_empty_group=kind == "group")
+        )
 
     def member(
         self,
@@ -281,7 +289,9 @@ class _Found:
             raise InputError(f"{_path(parts)}: virtual dataset; store the data itself in this file")
         if dataset.external:
             raise InputError(f"{_path(parts)}: data in an external file; store the data in this file")
-        itemsize = dataset.id.get_type().get_size()
+        stored = dataset.id.get_type()
+        self.heaps |= not is_plain(stored)
+        itemsize = stored.get_size()
         shape = None if dataset.shape is None else tuple(dataset.shape)
         _check_size(parts, dataset, itemsize)
 
@@ -301,7 +311,9 @@ class _Found:
             raw = name if isinstance(name, bytes) else name.encode("utf-8", "surrogateescape")
             identifier = h5py.h5a.open(node.id, raw)
             shape = None if identifier.get_space().get_simple_extent_type() == h5py.h5s.NULL else identifier.shape
-            size = math.prod(shape or ()) * identifier.get_type().get_size()
+            stored = identifier.get_type()
+            self.heaps |= not is_plain(stored)
+            size = math.prod(shape or ()) * stored.get_size()
             at = (*parts, _decoded(name))
             if size > _SMALL:
                 raise InputError(f"{_path(at)}: an attribute of {size / 2**20:.0f} MiB; store it as a dataset")

@@ -4,6 +4,7 @@
 """
 
 import urllib.parse
+from collections.abc import Iterable
 
 VERSION_ATTRIBUTES = ("axf.version.major", "axf.version.minor", "axf.version.revision")
 """Root attributes, uint32 (evidenced)."""
@@ -40,6 +41,17 @@ DATA, WIDTH, HEIGHT = "Data", "WidthMM", "HeightMM"
 
 LEVEL = "Level"
 """Mip level n of a resource is the sibling `Level<n>` of `Data`, n = 1, 2, … (our own)."""
+
+
+def is_container(parts: tuple[str, ...], nodes: Iterable[str]) -> bool:
+    """Whether a path below a material is a group that only holds others: the resources, the representations.
+
+    Args:
+        parts: the names from the material's group on.
+        nodes: the `Group/Resource` of every texture.
+    """
+    groups = {(RESOURCES, node.split("/")[0]) for node in nodes}
+    return parts in ((RESOURCES,), (REPRESENTATIONS,)) or parts in groups
 
 
 def escape(name: str) -> str:

@@ -110,13 +110,19 @@ class AxfTexture:
         """Whether the map is a spatial constant: 1x1 texels, or a size in mm that is not positive."""
         return self.stored[0].shape[-3:-1] == (1, 1) or self.width_mm <= 0 or self.height_mm <= 0
 
+    def same_spectra(self, other: "AxfTexture") -> bool:
+        """Whether both hold the same spectra, or none, at the same wavelengths."""
+        return (
+            _same_levels(self.spectra, other.spectra)
+            and (self.wavelengths is None) == (other.wavelengths is None)
+            and (self.wavelengths is None or _same_bits(self.wavelengths, other.wavelengths))
+        )
+
     def identical(self, other: "AxfTexture") -> bool:
         """Whether both hold the same bits: values, types, shapes, sizes in mm (the source may differ)."""
         return (
             _same_levels(self.levels, other.levels)
-            and _same_levels(self.spectra, other.spectra)
-            and (self.wavelengths is None) == (other.wavelengths is None)
-            and (self.wavelengths is None or _same_bits(self.wavelengths, other.wavelengths))
+            and self.same_spectra(other)
             and _same_bits(np.float32(self.width_mm), np.float32(other.width_mm))
             and _same_bits(np.float32(self.height_mm), np.float32(other.height_mm))
         )
@@ -215,8 +221,7 @@ class AxfMaterial:
             and self.properties.keys() == other.properties.keys()
             and all(texture.identical(other.textures[key]) for key, texture in self.textures.items())
             and all(_same_bits(value, other.properties[key]) for key, value in self.properties.items())
-            and self.previews.keys() == other.previews.keys()
-            and all(_same_bits(picture, other.previews[path]) for path, picture in self.previews.items())
+            and same_pictures(self.previews, other.previews)
             and same_extras(self.extras, other.extras)
             and len(self.alternatives) == len(other.alternatives)
             and all(a.identical(b) for a, b in zip(self.alternatives, other.alternatives, strict=True))
@@ -300,6 +305,11 @@ def _known(key: str, canonical: Any, allowed: tuple[str, ...], where: str) -> st
 
 def _same_levels(a: tuple[np.ndarray, ...], b: tuple[np.ndarray, ...]) -> bool:
     return len(a) == len(b) and all(_same_bits(x, y) for x, y in zip(a, b, strict=True))
+
+
+def same_pictures(a: Mapping[str, np.ndarray], b: Mapping[str, np.ndarray]) -> bool:
+    """Whether both hold the same pictures bit for bit."""
+    return a.keys() == b.keys() and all(_same_bits(picture, b[path]) for path, picture in a.items())
 
 
 def same_extras(a: tuple[AxfExtra, ...], b: tuple[AxfExtra, ...]) -> bool:

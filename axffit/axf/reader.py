@@ -20,7 +20,7 @@ from .gather import Gathered
 from .hdf5 import MAXIMUM_KEPT, Leaf, Tree, Unread, one_line, opened, walk
 from .infer import inferred_material
 from .material import AxfFile, AxfMaterial
-from .names import fold
+from .names import TEXTURES, fold
 from .validation import check
 
 
@@ -95,7 +95,9 @@ def _material(gathered: Gathered, unread: list[Unread], keeper: "_Keeper", *, ow
         material = inferred_material(gathered, rest)
         metadata = {path: leaf.text() or "" for path, leaf in gathered.metadata.items()}
         material = replace(material, metadata=metadata)
-    extras, lines = keeper.keep([*rest, *unread], 2)
+    # An empty group where AxF has groups says nothing; whoever writes the material makes it again.
+    said = [node for node in unread if not (node.is_empty_group and layout.is_container(node.parts[2:], _NODES))]
+    extras, lines = keeper.keep([*rest, *said], 2)
     previews = {path: leaf.array() for path, leaf in gathered.previews.items()}
     return index, replace(material, previews=previews, extras=extras, unrecognized=lines)
 
@@ -125,6 +127,7 @@ class _Keeper:
         return tuple(extras), tuple(lines)
 
 
+_NODES = tuple(texture.node for texture in TEXTURES.values())
 _ROOT = {(name,) for name in (*layout.VERSION_ATTRIBUTES, layout.OWN_VERSION, layout.OWN_LAYOUT)}
 
 

@@ -90,13 +90,13 @@ def _group(target: h5py.File, material: AxfMaterial) -> h5py.Group:
 
 def _write_material(target: h5py.File, material: AxfMaterial, index: int) -> None:
     group = _group(target, material)
-    pool = _Pool(group, {"/".join(extra.parts): extra.kind for extra in material.extras if extra.kind != "attribute"})
+    pool = _Pool(group, _taken(material))
     for number, entry in enumerate((material, *material.alternatives)):
         name = layout.OWN_GROUP if number == 0 else f"{layout.OWN_GROUP}_{number}"
         nodes = {key: pool.write(key, texture, front=number == 0) for key, texture in entry.textures.items()}
         if number == 0:
             # What stands where AxF has a texture, but is none of this material, would be taken for one.
-            taken = [key for key in TEXTURES if key not in nodes and pool.is_taken(TEXTURES[key].node)]
+            taken = [key for key in TEXTURES if key not in nodes and TEXTURES[key].node in pool.taken]
             nodes = {key: node for key, node in nodes.items() if node != TEXTURES[key].node}
             nodes |= dict.fromkeys(taken, "")
         _write_description(group.create_group(f"{layout.REPRESENTATIONS}/{name}"), entry, index, nodes)
@@ -110,12 +110,12 @@ class _Pool:
 
     Attributes:
         group: the material's group.
-        reserved: the paths of nodes that are written back as they are, below the group.
+        taken: the nodes below the resources where something stands that is written back as it is.
         written: the textures by their node below the resources.
     """
 
     group: h5py.Group
-    reserved: Mapping[str, str]
+    taken: frozenset[str]
     written: dict[str, AxfTexture] = field(default_factory=dict)
 
     def write(self, key: str, texture: AxfTexture, *, front: bool) -> str:
@@ -128,19 +128,30 @@ class _Pool:
             node = base if number == 0 else f"{base}_{number}"
             if node in self.written and self.written[node].identical(texture):
                 return node
-            if node not in self.written and (front or number) and not self.is_taken(node):
+            if node not in self.written and (front or number) and node not in self.taken:
                 _write_texture(self.group.create_group(f"{layout.RESOURCES}/{node}"), texture)
                 self.written[node] = texture
                 return node
         raise AssertionError("numbers do not end")
 
-    def is_taken(self, node: str) -> bool:
-        """Whether something that is written back stands at a resource's place or in its way."""
-        path = f"{layout.RESOURCES}/{node}"
-        if any(above in self.reserved for above in itertools.accumulate(path.split("/"), "{}/{}".format)):
-            return True
-        inside = (held.removeprefix(f"{path}/") for held in self.reserved if held.startswith(f"{path}/"))
-        return any(_RESOURCE_PART.fullmatch(name) for name in inside)
+
+def _taken(material: AxfMaterial) -> frozenset[str]:
+    """The `Group/Resource` at whose place, or in which, `extras` hold something that a texture would write.
+
+    Raises:
+        InputError: one of `extras` stands where the groups of all textures belong.
+    """
+    taken = set()
+    for extra in material.extras:
+        if extra.kind == "attribute" or extra.parts[0] != layout.RESOURCES:
+            continue
+        if len(extra.parts) < 3 and extra.kind != "group":
+            raise InputError(
+                f"{material.id}: {extra.path} is a {extra.kind} where AxF has a group; remove it from `extras`"
+            )
+        if len(extra.parts) == 3 or (len(extra.parts) == 4 and _RESOURCE_PART.fullmatch(extra.parts[3])):
+            taken.add("/".join(extra.parts[1:3]))
+    return frozenset(taken)
 
 
 _RESOURCE_PART = re.compile(

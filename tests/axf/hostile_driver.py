@@ -7,6 +7,7 @@ inputs in turn and writes what came of each to shared memory; where one ends it,
 """
 
 import collections
+import contextlib
 import faulthandler
 import json
 import mmap
@@ -21,8 +22,10 @@ from pathlib import Path
 
 import h5py
 import h5py.h5o
+import numpy as np
 
 from axffit import axf
+from axffit.axf import spectrum
 from axffit.axf.material import same_extras
 from axffit.errors import InputError
 from tests.axf import hostile
@@ -51,6 +54,9 @@ _BAD = (_MEMORY, _LOST, _OTHER)
 def main(first: int, count: int, out: Path) -> None:
     """Reads the inputs and writes how often each outcome came, which were bad, and how many had valid headers."""
     outcomes, valid = mmap.mmap(-1, count), mmap.mmap(-1, count)
+    # colour-science takes a second to import; children inherit it. Without it spectra stay what they are.
+    with contextlib.suppress(InputError):
+        spectrum.weights(tuple(np.linspace(400.0, 700.0, spectrum.SAMPLES)))
     start = time.perf_counter()
     bad: dict[int, str] = {}
     with tempfile.TemporaryDirectory() as folder:

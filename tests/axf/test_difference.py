@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from axffit.axf import AxfTexture
+from axffit.axf import AxfExtra, AxfTexture
 from axffit.axf.difference import difference, schema
 from axffit.synthesis import brushed_carbon, metallic_paint
 from axffit.testing.strategies import axf_materials
@@ -104,3 +104,38 @@ def test_what_only_one_has():
     less = dataclasses.replace(CARBON, textures={k: t for k, t in CARBON.textures.items() if k != "normal"})
     assert difference(CARBON, less)["textures"][0]["only_in"] == "a"
     assert difference(less, CARBON)["textures"][0]["only_in"] == "b"
+
+
+def test_what_lies_beside_the_textures_is_compared():
+    other = brushed_carbon(64)
+    changed_ones = {
+        "previews": {"Preview": np.zeros((1, 1, 3), np.uint8)},
+        "extras": (AxfExtra(("note",), "soft link", content=("/a",)),),
+        "alternatives": (dataclasses.replace(other, representation="1"),),
+        "representation": "2",
+    }
+    for name, value in changed_ones.items():
+        content = difference(CARBON, dataclasses.replace(other, **{name: value}))
+        jsonschema.validate(content, schema(), cls=jsonschema.Draft202012Validator)
+        assert not content["same"]
+        assert [field["name"] for field in content["fields"]] == [name]
+
+
+def test_spectra_are_compared():
+    rgb, spectra = np.ones((1, 1, 3), np.float32), np.ones((1, 1, 31), np.float32)
+
+    def of(texture):
+        return dataclasses.replace(CARBON, textures={"diffusecolor": texture})
+
+    spectral = of(AxfTexture((rgb,), spectra=(spectra,)))
+    cases = {
+        "spectra in one only, or converted in one only": of(AxfTexture((rgb,))),
+        "spectra": of(AxfTexture((rgb,), spectra=(0.5 * spectra,))),
+    }
+    for what, other in cases.items():
+        (found,) = difference(spectral, other)["textures"]
+        assert found["what"] == [what]
+    unconverted = [of(AxfTexture((), spectra=(scale * spectra,))) for scale in (1, 0.5)]
+    (found,) = difference(*unconverted)["textures"]
+    assert found["what"] == ["values"]
+    assert found["values"]["largest"] == 0.5

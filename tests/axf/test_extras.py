@@ -178,6 +178,33 @@ def test_what_lies_where_a_material_belongs_is_refused(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("parts", [("com.xrite.Resources",), ("com.xrite.Resources", "DiffuseModel")])
+def test_what_lies_where_textures_belong_is_refused(tmp_path, parts):
+    kept = AxfExtra(parts, "soft link", content=("/nowhere",))
+    made = axf.AxfMaterial(
+        "m",
+        "m",
+        axf.MaterialKind.SVBRDF,
+        textures={"diffusecolor": axf.AxfTexture((np.ones((1, 1, 3), np.float32),))},
+        extras=(kept,),
+    )
+    with pytest.raises(InputError, match="is a soft link where AxF has a group"):
+        axf.write(tmp_path / "a.axf", made)
+
+
+def test_empty_groups_of_axf_are_made_again(tmp_path):
+    with h5py.File(tmp_path / "a.axf", "w") as file:
+        material = file.create_group(MATERIAL)
+        material["DiffuseColor"] = np.ones((1, 1, 3), np.float32)
+        material.create_group("com.xrite.Representations")
+        material.create_group("com.xrite.Resources/DiffuseModel")
+        material.create_group("com.xrite.Resources/SpecularModel/Color")
+    material = axf.read(tmp_path / "a.axf").material()
+    assert [extra.path for extra in material.extras] == ["com.xrite.Resources/SpecularModel/Color"]
+    axf.write(tmp_path / "b.axf", material)
+    assert axf.read(tmp_path / "b.axf").material().identical(material)
+
+
 def test_a_hard_link_to_what_is_gone_becomes_a_soft_one(tmp_path):
     kept = AxfExtra(("link",), "hard link", content=("/gone",))
     axf.write(tmp_path / "a.axf", axf.AxfMaterial("m", "m", axf.MaterialKind.SVBRDF, extras=(kept,)))
