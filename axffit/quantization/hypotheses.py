@@ -22,6 +22,9 @@ SAMPLE_TEXELS = 2**14
 MIP_TEXELS = 256
 """Texels along each side of the corner of level 0 whose rebuilt mip levels are compared."""
 
+MIP_SLICES = 8
+"""At least so many slices of an array are compared, where it has so many."""
+
 Codes = np.ndarray
 """Codes in the order of the numbers they stand for, [n, channels] int64 (`ranks`)."""
 
@@ -277,8 +280,10 @@ def _mips(evidence: Evidence) -> Iterator[Hypothesis]:
 
 
 def _corner(level: np.ndarray, number: int) -> np.ndarray:
+    """The corner of a mip level, of an array of some slices."""
     side = max(1, MIP_TEXELS >> number)
-    return level[..., :side, :side, :]
+    step = max(1, len(level) // MIP_SLICES) if level.ndim == 4 else 1
+    return (level[::step] if level.ndim == 4 else level)[..., :side, :side, :]
 
 
 def _halves(finer: np.ndarray, coarser: np.ndarray) -> bool:

@@ -5,8 +5,6 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 from xml.etree import ElementTree
 
-from axffit.report.numbers import number, significant
-
 Content = Mapping[str, Any]
 
 # XML 1.0 has no way to write these, not even escaped.
@@ -70,8 +68,8 @@ def _messages(verdict: Content) -> Iterator[tuple[str, list[str]]]:
 def _failure(check: Content, found: float | None, what: str) -> list[str]:
     if check["within"]:
         return []
-    shown = "infinite" if found is None else significant(found, 4)
-    return [f"{shown} > {number(check['tolerance'])} {what.strip()}", *filter(None, [check["reason"]])]
+    shown = "infinite" if found is None else f"{found:.4g}"
+    return [f"{shown} > {check['tolerance']:.4g} {what.strip()}", *filter(None, [check["reason"]])]
 
 
 def _text(value: str) -> str:
