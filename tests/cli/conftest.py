@@ -1,4 +1,6 @@
-"""Pages with small pictures: drawing them well is tested beside the report."""
+"""Small pictures, and few texels on request: drawing and measuring well are tested beside report and quantization."""
+
+import sys
 
 import pytest
 
@@ -17,3 +19,11 @@ def small_spheres(monkeypatch):
         "material_spheres",
         lambda before, after, *, size: material_spheres(before, after, size=min(size, SPHERE_SIZE)),
     )
+
+
+@pytest.fixture
+def few_texels(monkeypatch):
+    """The reflectance at four texels: for tests of what lies around it."""
+    texels = sys.modules["axffit.quantization.verify"].TEXELS
+    for kind in texels:
+        monkeypatch.setitem(texels, kind, 4)

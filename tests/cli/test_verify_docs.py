@@ -17,6 +17,8 @@ from axffit.targets import TARGETS
 from tests.conftest import PROJECT
 from tests.targets.materials import paint, ward
 
+pytestmark = pytest.mark.usefixtures("few_texels")
+
 TEXT = (PROJECT / "docs" / "verify.md").read_text(encoding="utf-8")
 (COMMANDS,) = re.findall(r"```sh\n(.*?)```", TEXT, flags=re.S)
 (EXAMPLE,) = re.findall(r"```toml\n(.*?)```", TEXT, flags=re.S)

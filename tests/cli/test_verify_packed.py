@@ -17,6 +17,8 @@ from axffit.textures.files import CONTAINERS, StoredFile, TextureImage, load, sa
 from axffit.textures.unorm import linear_to_srgb
 from tests.targets import materials
 
+pytestmark = pytest.mark.usefixtures("few_texels")
+
 DIFFUSE, NORMAL = "_SVBRDF_DiffuseColorMap_sRGB", "_SVBRDF_NormalMap"
 ROTATION, COLORS = "_SVBRDF_AnisotropicRotationAngleMap", "_CarPaint_BRDFColorMap_sRGB"
 FLAKES, LUT = "_CarPaint_BTFFlakesMap_sRGB", "_CarPaint_thetaFI_sliceLUTMap"

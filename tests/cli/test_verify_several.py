@@ -14,6 +14,8 @@ from axffit.cli._materials import axf_files
 from axffit.quantization.document import schema
 from tests.targets.materials import paint, texture, ward
 
+pytestmark = pytest.mark.usefixtures("few_texels")
+
 
 @pytest.fixture
 def files(tmp_path):
