@@ -1,0 +1,139 @@
+"""Branch and bound: a proved upper bound of the two errors of a class, by splitting boxes of directions and texels.
+
+A box that lies outside the domain, or in (c) certainly below a thousandth of its view's peak, is dropped; one whose
+bound is below the target is done with; every other is halved along the side whose collapse to its middle lowers the
+bound most. What remains when the target or the budget is reached is the bound.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..brdf_error import RELEVANT
+from . import intervals as iv
+from .geometry import boxes, fresnel, fresnel_change, fresnel_quotient, geometry, whole_domain
+from .intervals import Interval
+from .lobes import AbstractLobe
+from .peaks import PeakTable
+from .texel_class import TexelClass
+
+Ends = np.ndarray
+"""Boxes as an array (5, 2, n), see `Boxes.stack`."""
+
+BATCH = 512
+"""Boxes split at once; the worst ones first."""
+
+_LOG_RELEVANT = float(np.log(RELEVANT)) * (1 + 2.0**-40)
+"""Slightly below log 1e-3, so that rounding drops nothing."""
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Proved bounds and the work they took.
+
+    Attributes:
+        value: the upper bound.
+        boxes: boxes evaluated.
+    """
+
+    value: float
+    boxes: int
+
+
+class ClassErrors:
+    """Upper bounds of a class's errors over boxes.
+
+    Args:
+        lobe: the lobe.
+        texels: the class.
+        y: of a high light for each of `peaks.MIDDLES`, see `PeakTable`.
+        v: the same.
+    """
+
+    def __init__(self, lobe: AbstractLobe, texels: TexelClass, y: np.ndarray, v: np.ndarray):
+        """Prepares the table of peaks."""
+        self.lobe, self.texels = lobe, texels
+        with np.errstate(all="ignore"):
+            self.peaks = PeakTable(lobe, texels, y, v)
+            self._log_ratio = iv.log(Interval(*texels.roughness_ratio))
+            self._ratio = iv.hull(Interval(1.0, 1.0), Interval(*texels.roughness_ratio))
+
+    def evaluate(self, ends: Ends) -> tuple[np.ndarray, Interval]:
+        """Upper bounds of log (f i_z / peak of the view), -inf outside the domain, and enclosures of log f'/f."""
+        box = boxes(ends)
+        g = geometry(box)
+        relative = iv.log(fresnel_quotient(box.f0, g.cos_d, g.o_z)) + self.lobe.log_relief(box.alpha, g)
+        absolute = iv.log(fresnel(box.f0, g.cos_d)) + self.lobe.log_shape(box.alpha, g)
+        log_height = np.minimum(
+            iv.up(relative.hi + self.peaks.log_mirror_share(g.o_z)),
+            iv.up(absolute.hi + self.peaks.log_inverse_peak(g.o_z)),
+        )
+        log_height = np.minimum(log_height, 0.0)
+        change = fresnel_change(self.texels, box.f0, g.cos_d)
+        change = change + self._log_ratio * self.lobe.roughness_slope(box.alpha, self._ratio, g)
+        tilt = self.lobe.tilt_change(self.texels, box, g)
+        return np.where(g.possible, log_height, -np.inf), change + Interval(-tilt, tilt)
+
+    def log_ratio(self, ends: Ends) -> np.ndarray:
+        """(c): |log f' - log f| where f i_z may reach 1e-3 of the peak, else 0."""
+        log_height, change = self.evaluate(ends)
+        return np.where(log_height >= _LOG_RELEVANT, iv.magnitude(change), 0.0)
+
+    def peak_relative(self, ends: Ends) -> np.ndarray:
+        """(b): |f' - f| i_z / peak = height · |e^change - 1|; where f' > f it is below f' i_z / peak, too."""
+        log_height, change = self.evaluate(ends)
+        height = iv.exp(Interval(log_height, log_height)).hi
+        rise = iv.expm1(iv.clip(Interval(change.hi, change.hi), 0.0, np.inf)).hi
+        product = np.where(height > 0, iv.up(height * rise), np.inf)
+        above = np.minimum(product, iv.exp(Interval(log_height, log_height) + Interval(change.hi, change.hi)).hi)
+        below = iv.up(height * -iv.expm1(iv.clip(Interval(change.lo, change.lo), -np.inf, 0.0)).lo)
+        return np.where(np.isneginf(log_height), 0.0, np.maximum(above, below))
+
+
+def bound(errors: Callable[[Ends], np.ndarray], texels: TexelClass, target: float, budget: int) -> Bounds:
+    """Upper bound over the whole domain of a class.
+
+    Args:
+        errors: upper bound of an error over boxes, `ClassErrors.log_ratio` or `ClassErrors.peak_relative`.
+        texels: the class.
+        target: boxes at or below it are not split further.
+        budget: boxes evaluated at most, by about a batch.
+    """
+    with np.errstate(all="ignore"):
+        ends = whole_domain(texels)
+        values = errors(ends)
+        done, count = 0.0, 1
+        while (open_ := values > target).any() and count < budget:
+            done = max(done, float(values[~open_].max(initial=0.0)))
+            ends, values = ends[..., open_], values[open_]
+            worst = np.argsort(-values)[:BATCH]
+            children = split(errors, ends[..., worst])
+            keep = np.ones(len(values), bool)
+            keep[worst] = False
+            new = errors(children)
+            count += 8 * len(worst)
+            alive = new > 0
+            ends = np.concatenate([ends[..., keep], children[..., alive]], axis=-1)
+            values = np.concatenate([values[keep], new[alive]])
+    return Bounds(max(done, float(values.max(initial=0.0))), count)
+
+
+def split(errors: Callable[[Ends], np.ndarray], ends: Ends) -> Ends:
+    """Two halves of each box, (5, 2, 2 n), along the side whose collapse lowers the bound most."""
+    sides, _, count = ends.shape
+    middle = 0.5 * (ends[:, 0] + ends[:, 1])
+    collapsed = np.broadcast_to(ends[..., None, :], (sides, 2, sides, count)).copy()
+    for side in range(sides):
+        collapsed[side, :, side] = middle[side]
+    values = errors(collapsed.reshape(sides, 2, -1)).reshape(sides, count)
+    # A side that is a point cannot be split; among equals the relatively widest is taken.
+    width = (ends[:, 1] - ends[:, 0]) / np.array([10.0, 5.0, 2.0, 1.0, 1.0])[:, None]
+    score = np.where(width > 0, values, np.inf)
+    score = np.where(np.isclose(score, score.min(axis=0), rtol=1e-9, atol=0.0), -width, np.inf)
+    chosen = np.argmin(np.where(width > 0, score, np.inf), axis=0)
+    low, high = ends.copy(), ends.copy()
+    each = np.arange(count)
+    low[chosen, 1, each] = middle[chosen, each]
+    high[chosen, 0, each] = middle[chosen, each]
+    return np.concatenate([low, high], axis=-1)
