@@ -44,8 +44,8 @@ def test_reference_figures_are_found_and_the_bound_is_within_ten_percent(name, a
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("f0", [0.02, 0.5, 1.0])
-@pytest.mark.parametrize("alpha", [0.01, 0.02, 0.05, 0.2, 0.6, 1.0])
+@pytest.mark.parametrize("f0", [0.02, 1.0])
+@pytest.mark.parametrize("alpha", [0.01, 0.05, 0.2, 1.0])
 @pytest.mark.parametrize("name", MODELS)
 def test_bound_is_within_ten_percent_everywhere(name, alpha, f0):
     for one in bracket_of(name, alpha, f0).values():
