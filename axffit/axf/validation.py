@@ -111,7 +111,7 @@ def _spectrum_problems(key: str, texture: AxfTexture, node: str) -> Iterator[str
             )
         elif level.ndim != TEXTURES[key].rank or 0 in level.shape or level.dtype not in (np.float16, np.float32):
             yield (
-                f"{where}: {key} as spectra of shape {level.shape}, {level.dtype}; "
+                f"{where}: {key} as spectra of rank {level.ndim} (shape {level.shape}, {level.dtype}); "
                 f"store float32 or float16 of rank {TEXTURES[key].rank}"
             )
         elif texture.levels and [each.shape[:-1] for each in texture.levels] != [

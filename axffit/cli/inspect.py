@@ -55,7 +55,11 @@ def tree(file: Path, content: dict[str, Any] | None = None) -> list[str]:
     roles = _roles(content) if content is not None else {}
     lines = [(parts, parts[-1] if parts else "/", "group", "/" + "/".join(parts)) for parts in found.groups]
     lines += [(leaf.parts, "@" * leaf.attribute + leaf.name, _type_of(leaf), leaf.path) for leaf in found.leaves]
-    lines += [(parts, line, "", line) for parts, line in found.unread if parts not in found.groups]
+    lines += [
+        (node.parts, "@" * node.attribute + node.parts[-1], f"({node.what})", "")
+        for node in found.unread
+        if node.parts not in found.groups
+    ]
     lines.sort(key=lambda line: line[0])
     return [
         printable("  ".join(filter(None, ("  " * (len(parts) - 1) + name, what, roles.get(path)))))
