@@ -1,6 +1,7 @@
 """What the pytest plugin checks on a material of the user's: the laws, and what a target makes of it."""
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -9,12 +10,12 @@ import jax
 import numpy as np
 
 from axffit import axf
-from axffit.axf.validation import problems
 from axffit.errors import InputError
-from axffit.targets import PackedMaterial, target_named
-from axffit.testing import laws
+from axffit.targets import target_named
+from axffit.testing import laws, packing
 from axffit.testing.directions import Pairs, extreme_pairs, random_pairs
-from axffit.testing.energy import passivity_report
+from axffit.testing.energy import demand_passive, passivity_report
+from axffit.testing.negatives import negative_colors
 from axffit.testing.places import Place, places
 
 AWAY = 0.05
@@ -47,7 +48,12 @@ class Check:
 
 
 def checks_of(
-    files: Sequence[str], *, materials: Sequence[str] = (), engines: Sequence[str] = (), texels: int = 8
+    files: Sequence[str],
+    *,
+    materials: Sequence[str] = (),
+    engines: Sequence[str] = (),
+    texels: int = 8,
+    strict: bool = False,
 ) -> tuple[Check, ...]:
     """All checks of the materials of some files.
 
@@ -55,7 +61,8 @@ def checks_of(
         files: paths of .axf files.
         materials: ids of the materials to check; empty for all.
         engines: names of targets to pack for.
-        texels: places of an SVBRDF drawn at random besides its extreme ones, >= 0.
+        texels: places of a material drawn at random besides its extreme ones, >= 0.
+        strict: whether a material with negative colors fails.
 
     Raises:
         InputError: a file cannot be read, a material or target is unknown, or a model is not evaluated.
@@ -75,6 +82,7 @@ def checks_of(
     for path, material in chosen:
         name = material.id if ids.count(material.id) == 1 else f"{path.stem}:{material.id}"
         found.extend(_law_checks(name, places(material, count=texels)))
+        found.append(_negatives_check(name, material, strict=strict))
         for engine in packers:
             found.extend(_target_checks(name, material, engine))
     return tuple(found)
@@ -82,7 +90,8 @@ def checks_of(
 
 def _law_checks(material: str, where: tuple[Place, ...]) -> Iterator[Check]:
     for law in laws.LAWS:
-        yield Check(material, law, lambda law=law: _check_law(law, where))
+        run = _check_passivity if law == "passivity" else lambda where, law=law: _check_law(law, where)
+        yield Check(material, law, lambda run=run: run(where))
 
 
 def _pairs(law: str) -> Iterator[Pairs]:
@@ -95,7 +104,16 @@ def _pairs(law: str) -> Iterator[Pairs]:
     yield random_pairs(lowest=0.0 if law in ("non-negativity", "horizon", "finite") else AWAY)
 
 
-def _check_law(law: str, where: tuple[Place, ...]) -> str | None:
+@contextmanager
+def _at(place: Place) -> Iterator[None]:
+    """A law that is broken here says where."""
+    try:
+        yield
+    except AssertionError as error:
+        raise AssertionError(f"{error}, at {place.name}" if place.name else str(error)) from None
+
+
+def _check_law(law: str, where: tuple[Place, ...]) -> None:
     """A law at every place of a material; double precision, whatever the process uses."""
     with jax.enable_x64(True):  # noqa: FBT003
         exempt = [laws.exemption(law, place.brdf) for place in where]
@@ -103,50 +121,35 @@ def _check_law(law: str, where: tuple[Place, ...]) -> str | None:
             raise NotApplicable(exempt[0] if len(where) == 1 else f"nowhere: {exempt[0]}")
         for place, reason in zip(where, exempt, strict=True):
             if reason is None:
-                try:
+                with _at(place):
                     for wi, wo in _pairs(law):
                         laws.LAWS[law](place.brdf, wi, wo)
-                except AssertionError as error:
-                    raise AssertionError(f"{error}, at {place.name}" if place.name else str(error)) from None
-        return _energy(where) if law == "passivity" else None
 
 
-def _energy(where: tuple[Place, ...]) -> str:
-    """The brightest place and viewer."""
-    _, wo = random_pairs(lowest=AWAY)
-
-    reports = [(passivity_report(place.brdf, wo), place) for place in where]
+def _check_passivity(where: tuple[Place, ...]) -> str:
+    """The law at every place, and a line about the brightest place and viewer."""
+    with jax.enable_x64(True):  # noqa: FBT003
+        ((_, wo),) = _pairs("passivity")
+        reports = []
+        for place in where:
+            report = passivity_report(place.brdf, wo)
+            reports.append((report, place))
+            with _at(place):
+                demand_passive(report)
     report, place = max(reports, key=lambda each: each[0].largest)
     judged = f"; not enforced: {report.unenforceable}" if report.unenforceable else ""
     return f"{report}{f', at {place.name}' if place.name else ''}{judged}"
 
 
+def _negatives_check(name: str, material: axf.AxfMaterial, *, strict: bool) -> Check:
+    def run() -> str | None:
+        found = negative_colors(material)
+        assert not (strict and found), f"negative-colors: {found}"
+        return f"negative colors, read as 0: {found}" if found else None
+
+    return Check(name, "negative-colors", run)
+
+
 def _target_checks(name: str, material: axf.AxfMaterial, target: ModuleType) -> Iterator[Check]:
-    def obligations() -> None:
-        broken = target.validate(_packed(material, target))
-        assert not broken, f"{len(broken)} obligations broken; {broken[0]}"
-
-    def unpacks() -> None:
-        broken = list(problems(target.unpack(_packed(material, target))))
-        assert not broken, f"what comes back is no valid material: {broken[0]}"
-
-    def stable() -> None:
-        once = _packed(material, target)
-        twice = _packed(target.unpack(once), target)
-        for key, texture in once.textures.items():
-            again = twice.textures.get(key)
-            assert again is not None, f"texture {key} is gone when what was unpacked is packed again"
-            same = len(texture.levels) == len(again.levels) and all(map(np.array_equal, texture.levels, again.levels))
-            assert same, f"texture {key} has other codes when what was unpacked is packed again"
-        for key, value in once.values.items():
-            assert np.array_equal(value, twice.values[key]), f"value {key}: {value} becomes {twice.values[key]}"
-
-    for what, run in (("obligations", obligations), ("unpacks", unpacks), ("stable", stable)):
+    for what, run in packing.checks(material, target):
         yield Check(name, f"{target.NAME}-{what}", run)
-
-
-def _packed(material: axf.AxfMaterial, target: ModuleType) -> PackedMaterial:
-    try:
-        return target.pack(material)
-    except InputError as error:
-        raise AssertionError(f"cannot be packed: {error}") from None

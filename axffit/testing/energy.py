@@ -99,7 +99,11 @@ def passivity(brdf: AbstractBRDF, wi: Rays, wo: Rays) -> None:
     Enforced only where it is a law: not below a coat that refracts, which gains up to n² (:func:`passivity_report`
     says what it is there). Broken by colors above 1, and by ``"sdk"`` lobes weighted as if their albedo were not 4.
     """
-    report = passivity_report(brdf, wo)
+    demand_passive(passivity_report(brdf, wo))
+
+
+def demand_passive(report: Passivity) -> None:
+    """Raise ``AssertionError`` if the law is one for the BRDF of the report, and is broken."""
     if report.unenforceable is None and not report.is_passive:
         raise AssertionError(f"passivity: {report} is above 1")
 

@@ -152,12 +152,13 @@ def _differentiated(brdf: AbstractBRDF, wi: Rays, wo: Rays) -> tuple[Channels, l
     parameters, rest = _partition(brdf)
 
     def total(parameters, i, o):
-        return jnp.sum(eqx.combine(parameters, rest).masked_value(i, o))
+        value = eqx.combine(parameters, rest).masked_value(i, o)
+        return jnp.sum(value), value
 
     def pair(i, o):
-        leaves = jax.tree.leaves(jax.grad(total, argnums=(0, 1, 2))(parameters, i, o))
-        is_finite = [jnp.isfinite(leaf).all() for leaf in leaves]
-        return brdf.masked_value(i, o), is_finite, [(leaf == 0).all() for leaf in leaves]
+        gradients, value = jax.grad(total, argnums=(0, 1, 2), has_aux=True)(parameters, i, o)
+        leaves = jax.tree.leaves(gradients)
+        return value, [jnp.isfinite(leaf).all() for leaf in leaves], [(leaf == 0).all() for leaf in leaves]
 
     return jax.vmap(pair)(wi, wo)
 

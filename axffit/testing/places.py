@@ -9,6 +9,7 @@ import numpy as np
 from axffit import axf
 from axffit.axf.maps import SPATIAL_KEYS, reference_map, stretch
 from axffit.brdf import AbstractBRDF
+from axffit.quantization.brdf_error import without_negative_colors
 
 MOST_EXTREME = 24
 """Extreme texels that are used at most, those of the first maps first."""
@@ -33,6 +34,8 @@ def places(material: axf.AxfMaterial, *, count: int = 8, seed: int = 0) -> tuple
     Of an SVBRDF the texels where a channel of a map is smallest and largest, and ``count`` at random, each map at its
     nearest texel. Of a car paint with flakes or coat maps, ``count`` places at random; without, the one BRDF.
 
+    Negative colors are 0, as engines read them (``axffit.testing.negatives`` counts them).
+
     Args:
         material: the material.
         count: places at random, besides the extreme ones.
@@ -41,6 +44,7 @@ def places(material: axf.AxfMaterial, *, count: int = 8, seed: int = 0) -> tuple
     Raises:
         InputError: the material has a model that axffit does not evaluate.
     """
+    material = without_negative_colors(material)
     random = np.random.default_rng(seed).random((count, 2))
     if material.kind is axf.MaterialKind.CAR_PAINT:
         return _paint_places(material, random)

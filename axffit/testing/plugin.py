@@ -4,6 +4,7 @@
 see ``docs/testing.md``. pytest loads this module at every start, so what costs time is imported only with ``--axf``.
 """
 
+import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -15,10 +16,15 @@ if TYPE_CHECKING:
 CHECKS = pytest.StashKey[tuple["Check", ...]]()
 """The checks of the materials given on the command line, in the configuration's stash; absent without ``--axf``."""
 
+ARGUMENT = "axffit_check"
+"""Name of the argument through which a test receives one check; it is called once for each."""
+
 MEASURED = "axffit"
 """Name of the user property under which a test hands what it measured to the summary."""
 
 NO_MATERIAL = "no material was given, so no law was checked: name an .axf file with --axf FILE"
+
+_LOADED_EARLY = frozenset({"axffit", "axffit.testing", "axffit.testing.plugin"})
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -32,7 +38,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="append",
         default=[],
         metavar="ID",
-        help="check this material of the file only; may be repeated",
+        help="check this material of the files only; may be repeated",
     )
     group.addoption(
         "--axf-target",
@@ -46,8 +52,25 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         type=int,
         default=8,
         metavar="N",
-        help="texels of each SVBRDF drawn at random (seeded), besides the extreme ones (default 8)",
+        help="places of each material drawn at random (seeded), besides the extreme texels (default 8)",
     )
+    group.addoption(
+        "--axf-strict",
+        action="store_true",
+        help="negative colors, which files may hold and engines read as 0, fail the check negative-colors",
+    )
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_load_initial_conftests(early_config: pytest.Config) -> None:
+    """Let ``--jaxtyping-packages`` instrument axffit: jaxtyping refuses packages that are imported already.
+
+    Only this module and two that hold no code are; they are forgotten, and imported anew when next asked for.
+    """
+    loaded = {name for name in sys.modules if name.partition(".")[0] == "axffit"}
+    if getattr(early_config.known_args_namespace, "jaxtyping_packages", None) and loaded <= _LOADED_EARLY:
+        for name in loaded:
+            del sys.modules[name]
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -67,26 +90,38 @@ def pytest_configure(config: pytest.Config) -> None:
 
     try:
         config.stash[CHECKS] = checks_of(
-            given.axf, materials=given.axf_material, engines=given.axf_target, texels=given.axf_texels
+            given.axf,
+            materials=given.axf_material,
+            engines=given.axf_target,
+            texels=given.axf_texels,
+            strict=given.axf_strict,
         )
     except InputError as error:
         raise pytest.UsageError(str(error)) from None
 
 
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """One call a check, named by material and law; one that is skipped, with the reason, where there is none."""
+    if ARGUMENT not in metafunc.fixturenames:
+        return
+    checks = metafunc.config.stash.get(CHECKS, None)
+    if checks is None:
+        nothing = pytest.param(None, id="no material", marks=pytest.mark.skip(reason=NO_MATERIAL))
+        metafunc.parametrize(ARGUMENT, [nothing])
+    else:
+        metafunc.parametrize(ARGUMENT, [pytest.param(check, id=check.id) for check in checks])
+
+
 def pytest_terminal_summary(terminalreporter: Any) -> None:
     """What was measured and not judged, and why nothing ran where nothing did."""
-    lines = list(_measured(terminalreporter.stats))
-    if any(_is_ours(report) for report in terminalreporter.stats.get("skipped", ())) and not lines:
-        if CHECKS not in terminalreporter.config.stash:
-            lines = [NO_MATERIAL]
+    stats = terminalreporter.stats
+    lines = list(_measured(stats))
+    if any(NO_MATERIAL in str(report.longrepr) for report in stats.get("skipped", ())):
+        lines.append(NO_MATERIAL)
     if lines:
         terminalreporter.section("axffit")
         for line in lines:
             terminalreporter.line(line)
-
-
-def _is_ours(report: Any) -> bool:
-    return "axffit/testing/" in getattr(report, "nodeid", "").replace("\\", "/")
 
 
 def _measured(stats: dict[str, list[Any]]) -> Iterator[str]:

@@ -1,30 +1,16 @@
-"""The tests that ``pytest --pyargs axffit.testing --axf FILE`` runs, one a material and law; not axffit's own tests."""
+"""The test that ``pytest --pyargs axffit.testing --axf FILE`` runs, once a material and law; not axffit's own tests."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import pytest
 
-from axffit.testing.plugin import CHECKS, MEASURED, NO_MATERIAL
-
-if TYPE_CHECKING:
-    from axffit.testing.checks import Check
+from axffit.testing.checks import Check, NotApplicable
+from axffit.testing.plugin import MEASURED
 
 
-def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """One test a check, named by material and law; one that is skipped, with the reason, where there is none."""
-    checks = metafunc.config.stash.get(CHECKS, None)
-    if checks is None:
-        nothing = pytest.param(None, id="no material", marks=pytest.mark.skip(reason=NO_MATERIAL))
-        metafunc.parametrize("check", [nothing])
-    else:
-        metafunc.parametrize("check", [pytest.param(check, id=check.id) for check in checks])
-
-
-def test_law(check: "Check", record_property: Callable[[str, object], None]) -> None:
-    """A law holds on a material."""
-    from axffit.testing.checks import NotApplicable
-
+def test_law(axffit_check: Check, record_property: Callable[[str, object], None]) -> None:
+    """A law holds on a material; the plugin calls this once a check."""
+    check = axffit_check
     measured = broken = None
     try:
         measured = check.run()

@@ -1,37 +1,39 @@
-"""The plugin as a user's shell runs it. It is named with -p, so that no installed entry point is needed."""
+"""The plugin as a user's shell runs it, through its entry point."""
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-DATA = Path(__file__).resolve().parents[2] / "data_synthetic"
-CARBON = str(DATA / "brushed_carbon" / "brushed_carbon.axf")
+from axffit import axf
+from tests.conftest import PROJECT
+from tests.testing.materials import DATA, METALLIC, overexposed, plain, written
+
 USAGE_ERROR = 4
+FILES = sorted(str(path.relative_to(DATA)) for path in DATA.glob("*/*.axf"))
 
 
-def run(folder, *options):
-    """pytest in a folder of its own, which has no settings: the suite's are not the user's."""
-    (folder / "pytest.ini").write_text("[pytest]\n")
-    plugin = ["-p", "no:axffit", "-p", "axffit.testing.plugin", "-p", "no:cacheprovider", "-c", "pytest.ini"]
-    command = [sys.executable, "-m", "pytest", "-q", "-rs", *plugin, "--pyargs", "axffit.testing", *options]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False)
+def pytest_in(folder, *options, timeout=120):
+    command = [sys.executable, "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", *options]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=timeout, check=False)
     return done.returncode, done.stdout + done.stderr
+
+
+def run(folder, *options, timeout=120):
+    """The laws, in a folder of its own, which has no settings: the suite's are not the user's."""
+    (folder / "pytest.ini").write_text("[pytest]\n")
+    return pytest_in(folder, "-c", "pytest.ini", "--pyargs", "axffit.testing", *options, timeout=timeout)
 
 
 def test_without_a_file_nothing_is_checked_and_that_is_said(tmp_path):
     code, text = run(tmp_path)
     assert code == 0
     assert "1 skipped" in text
-    assert "name an .axf file with --axf FILE" in text
+    assert text.count("no law was checked: name an .axf file with --axf FILE") == 2
 
 
 REFUSED = {
     "no such file": (["--axf", "nothing.axf"], "nothing.axf: no such file"),
-    "no such material": (["--axf", CARBON, "--axf-material", "nobody"], "no material 'nobody'; there are: "),
-    "no such target": (["--axf", CARBON, "--axf-target", "nobody"], "unknown target 'nobody'; allowed: unity_2018"),
-    "fewer than no texels": (["--axf", CARBON, "--axf-texels", "-1"], "--axf-texels -1: give 0 or more"),
     "a material of no file": (["--axf-material", "a"], "--axf-material needs a file"),
     "a target for no file": (["--axf-target", "mdl"], "--axf-target needs a file"),
 }
@@ -46,13 +48,66 @@ def test_what_cannot_be_used_is_a_usage_error(name, tmp_path):
     assert "Traceback" not in text
 
 
-def test_a_broken_law_is_named_with_its_directions_and_texel(tmp_path):
-    """The synthetic carbon holds negative colors, as real files do."""
-    code, text = run(
-        tmp_path, "--axf", CARBON, "--axf-texels", "0", "-k", "negativity or unity", "--axf-target", "unity_2018"
-    )
+def test_a_broken_law_fails_and_says_where(tmp_path):
+    """Only the laws that need few compilations are run here."""
+    file = written(tmp_path / "bright.axf", overexposed())
+    code, text = run(tmp_path, "--axf", file, "-k", "passivity or negati or unity", "--axf-target", "unity_2018")
     assert code == 1
-    assert "1 failed, 3 passed" in text
-    assert text.count("brushed_carbon: non-negativity: f = (-") == 1
-    for part in ("1/sr is negative at wi = (", "), wo = (", "smallest channel 0 of diffusecolor"):
-        assert part in text
+    assert "1 failed, 5 passed" in text
+    assert text.count("plain: passivity: albedo 1.") == 1
+    assert " is above 1" in text
+
+
+def test_negative_colors_are_reported_and_fail_on_request(tmp_path):
+    file = written(tmp_path / "dark.axf", plain(diffusecolor=axf.AxfTexture((-overexposed_color(),), 0.0, 0.0)))
+    code, text = run(tmp_path, "--axf", file, "-k", "negative-colors")
+    assert code == 0
+    assert "plain: negative colors, read as 0: 3 of 3 values of diffusecolor, down to -1.5" in text
+    code, text = run(tmp_path, "--axf", file, "-k", "negative-colors", "--axf-strict")
+    assert code == 1
+    assert "plain: negative-colors: 3 of 3 values of diffusecolor, down to -1.5" in text
+
+
+def overexposed_color():
+    return overexposed().textures["diffusecolor"].data
+
+
+def test_run_time_type_checks_of_axffit_and_the_plugin_go_together(tmp_path):
+    """jaxtyping refuses to instrument a package that is imported; the plugin's own modules do not count."""
+    (tmp_path / "pytest.ini").write_text("[pytest]\n")
+    (tmp_path / "test_it.py").write_text(
+        "import pytest, jaxtyping, numpy as np\n"
+        "from axffit.frames import dot\n"
+        "def test_it():\n"
+        "    with pytest.raises(jaxtyping.TypeCheckError):\n"
+        "        dot('a', 'b')\n"
+    )
+    code, text = pytest_in(tmp_path, "-c", "pytest.ini", "--jaxtyping-packages=axffit,beartype.beartype", "test_it.py")
+    assert code == 0, text
+
+
+def test_it_runs_inside_a_clone(tmp_path):
+    """There the suite's settings apply: type checks, warnings as errors, another import mode."""
+    file = written(tmp_path / "plain.axf", plain())
+    code, text = pytest_in(PROJECT, "--pyargs", "axffit.testing", "--axf", file, "-k", "horizon", "--rootdir", ".")
+    assert code == 0, text
+    assert "1 passed" in text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FILES)
+def test_every_bundled_material_passes(name, tmp_path):
+    """Its laws at a few places, and every target that has a vocabulary for it."""
+    code, text = run(tmp_path, "--axf", str(DATA / name), "--axf-texels", "1", timeout=600)
+    assert code == 0, text
+    assert "failed" not in text
+
+
+@pytest.mark.slow
+def test_options_of_a_run_with_everything(tmp_path):
+    targets = [
+        option for name in ("unity_2018", "hdrp_10", "png16", "unreal", "mdl") for option in ("--axf-target", name)
+    ]
+    code, text = run(tmp_path, "--axf", str(METALLIC), "-k", "unity or hdrp or png16 or unreal or mdl", *targets)
+    assert code == 0, text
+    assert "15 passed" in text
