@@ -20,6 +20,7 @@ import numpy as np
 
 from ..errors import InputError
 from .extras import AxfExtra, Kind, is_plain, kept
+from .filters import check_filters
 from .heaps import check_heaps
 
 MAXIMUM_BYTES = 4 * 2**30
@@ -295,7 +296,12 @@ class _Found:
         shape = None if dataset.shape is None else tuple(dataset.shape)
         _check_size(parts, dataset, itemsize)
 
+        def load() -> object:
+            check_filters(dataset.id)
+            return dataset[()]
+
         def keep() -> AxfExtra:
+            check_filters(dataset.id)
             return kept(parts, "dataset", dataset.id, file=self.file)
 
         try:
@@ -304,7 +310,7 @@ class _Found:
             size = math.prod(shape or ()) * itemsize
             self.unread.append(Unread(parts, "a type that has no counterpart in numpy", keep, size))
         else:
-            self.leaves.append(Leaf(parts, shape, dtype, lambda: dataset[()], keep))
+            self.leaves.append(Leaf(parts, shape, dtype, load, keep))
 
     def attributes(self, parts: tuple[str, ...], node: Any) -> None:
         for name in node.attrs:
