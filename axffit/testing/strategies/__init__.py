@@ -1,4 +1,4 @@
-"""Hypothesis strategies for directions, model parameters, BRDFs, textures and AxF materials.
+"""Hypothesis strategies for directions, model parameters, BRDFs and SVBRDFs, textures and AxF materials.
 
 Every strategy draws valid things directly, the awkward ones often: grazing, normal, coincident and mirrored directions,
 roughness 1e-4 and 10, exponents to 1e5, F0 0 and 1, an index of refraction of 1, black and high-dynamic-range colors.
@@ -28,6 +28,8 @@ from .materials import axf_files as axf_files
 from .materials import axf_materials as axf_materials
 from .materials import car_paint_materials as car_paint_materials
 from .materials import svbrdf_materials as svbrdf_materials
+from .surfaces import svbrdfs as svbrdfs
+from .surfaces import texture_maps as texture_maps
 from .textures import textures as textures
 from .values import colors as colors
 from .values import exponents as exponents

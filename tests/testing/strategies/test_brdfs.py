@@ -95,6 +95,7 @@ PLAIN = {
 
 @pytest.mark.parametrize("model", PLAIN, ids=lambda model: model.__name__)
 @given(data=st.data())
+@settings(max_examples=settings().max_examples // 2)
 def test_laws_hold_for_any_parameters_in_any_directions(model, data):
     drawn = data.draw(st.fixed_dictionaries(PLAIN[model]), label="parameters")
     fresnel = {"fresnel": brdf.Fresnel1818(jnp.broadcast_to(drawn["fresnel"].f0, (3,)))} if "fresnel" in drawn else {}
