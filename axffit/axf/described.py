@@ -120,8 +120,13 @@ _OWN_NAMES = {
 def _besides(own: dict[str, Leaf]) -> Iterator[Leaf]:
     """What a description holds beyond what is written there: it is not used."""
     for path, leaf in own.items():
-        if path not in _OWN_NAMES and path.partition("/")[0] not in ("Properties", "Metadata"):
+        if not is_own_name(path):
             yield leaf
+
+
+def is_own_name(path: str) -> bool:
+    """Whether a path below our description is one that it consists of."""
+    return path in _OWN_NAMES or path.partition("/")[0] in ("Properties", "Metadata")
 
 
 def _inverse(table: Mapping[str, str]) -> dict[str, str]:

@@ -24,7 +24,6 @@ from .names import (
 
 _LEVEL = re.compile(r"(?:level|mip)_?0*([1-9]\d{0,2})", re.IGNORECASE)
 
-_OWN = re.compile(re.escape(f"{layout.REPRESENTATIONS}/{layout.OWN_GROUP}") + r"(?:_(\d{1,9}))?")
 _RGB = re.compile(f"{layout.RGB}(?:{layout.LEVEL}([1-9]\\d{{0,2}}))?")
 _WAVELENGTHS = {fold(name) for name in ("Wavelengths", "Wavelength", "WavelengthsNM", "WavelengthNM", "Lambda")}
 
@@ -116,7 +115,9 @@ class Gathered:
         later = []
         for leaf in leaves:
             inside = leaf.parts[2:]
-            described = _OWN.fullmatch("/".join(inside[:2]))
+            described = None
+            if len(inside) > 2 and inside[0] == layout.REPRESENTATIONS and not leaf.attribute:
+                described = layout.OWN_GROUPS.fullmatch(inside[1])
             if described:
                 gathered.own.setdefault(described[1] or "", {})["/".join(inside[2:])] = leaf
             elif not (gathered._preview(leaf) or gathered._texture(leaf, siblings)):

@@ -19,6 +19,7 @@ import h5py.h5s
 import numpy as np
 
 from ..errors import InputError
+from . import guard
 from .extras import AxfExtra, Kind, is_plain, kept
 from .filters import check_filters
 from .heaps import check_heaps
@@ -29,8 +30,8 @@ MAXIMUM_BYTES = 4 * 2**30
 MAXIMUM_KEPT = 4 * 2**30
 """Bytes of a file's nodes that were not understood, above which the others are listed and not kept."""
 
-MAXIMUM_NODES = 100_000
-"""Links of a file above which it is refused."""
+MAXIMUM_NODES = 10_000
+"""Nodes of a file above which it is refused: looking at so many takes two seconds, and AxF has hundreds."""
 
 MAXIMUM_DEPTH = 32
 """Nesting of groups above which a file is refused."""
@@ -169,11 +170,15 @@ class Tree:
 
 
 @contextlib.contextmanager
-def opened(path: str | Path) -> Iterator[h5py.File]:
+def opened(path: str | Path, *, guarded: bool = True) -> Iterator[h5py.File]:
     """The file, open for reading.
 
+    Args:
+        path: the file.
+        guarded: whether another process reads it first (`guard`), so that it cannot crash or hang this one.
+
     Raises:
-        InputError: it is missing, no file, no HDF5, or cut short.
+        InputError: it is missing, no file, no HDF5, cut short, or one that libhdf5 itself fails on.
     """
     path = Path(path)
     if not path.exists():
@@ -183,6 +188,8 @@ def opened(path: str | Path) -> Iterator[h5py.File]:
     try:
         if not h5py.is_hdf5(path):
             raise InputError(f"{path}: not an AxF file (no HDF5 signature); give an .axf file")
+        if guarded:
+            guard.check(path)
         file = h5py.File(path, "r", locking="best-effort")
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         if isinstance(error, InputError):
@@ -197,8 +204,12 @@ def opened(path: str | Path) -> Iterator[h5py.File]:
             file.close()
 
 
-def walk(file: h5py.File) -> Tree:
+def walk(file: h5py.File, met: Callable[[], None] = lambda: None) -> Tree:
     """Every leaf of the file.
+
+    Args:
+        file: the open file.
+        met: called at every member of every group, to show that the walk goes on.
 
     Raises:
         InputError: something reaches outside the file, is too large, too deep or too much, or is damaged.
@@ -224,6 +235,7 @@ def walk(file: h5py.File) -> Tree:
             below = []
             # The low-level iterator: h5py's own stops at a name that is no UTF-8.
             for name in group.id:
+                met()
                 found.member((*parts, _decoded(name)), group, name, below)
                 if found.count + len(found.groups) + len(pending) + len(below) > MAXIMUM_NODES:
                     raise InputError(f"{_path(parts)}: more than {MAXIMUM_NODES} nodes; split the file")

@@ -3,6 +3,7 @@
 `docs/axf-layout.md` describes it for people.
 """
 
+import re
 import urllib.parse
 from collections.abc import Iterable
 
@@ -36,6 +37,9 @@ TEXTURES = "Textures"
 REPRESENTATION = "Representation"
 """In our description: the name of the representation, where it has one."""
 
+OWN_GROUPS = re.compile(re.escape(OWN_GROUP) + r"(?:_(\d{1,9}))?")
+"""The names of our own groups; the number of a further representation is group 1."""
+
 DATA, WIDTH, HEIGHT = "Data", "WidthMM", "HeightMM"
 """A resource's values and its extent in millimeters (evidenced)."""
 
@@ -51,6 +55,8 @@ def is_container(parts: tuple[str, ...], nodes: Iterable[str]) -> bool:
         nodes: the `Group/Resource` of every texture.
     """
     groups = {(RESOURCES, node.split("/")[0]) for node in nodes}
+    if len(parts) == 2 and parts[0] == REPRESENTATIONS:
+        return OWN_GROUPS.fullmatch(parts[1]) is not None
     return parts in ((RESOURCES,), (REPRESENTATIONS,)) or parts in groups
 
 

@@ -24,18 +24,20 @@ from .names import TEXTURES, fold
 from .validation import check
 
 
-def read(path: str | Path, *, validate: bool = True) -> AxfFile:
+def read(path: str | Path, *, validate: bool = True, guarded: bool = True) -> AxfFile:
     """Read an .axf file.
 
     Args:
         path: the file.
         validate: refuse values outside their legal range; False reads a file in order to show what is wrong with it.
+        guarded: read the file in another process first, which libhdf5 may crash in place of this one (`guard`); False
+            is for files one trusts.
 
     Raises:
         InputError: the file is missing, no AxF, damaged, reaches outside itself, declares more than can be read,
             or (with `validate`) a material breaks a rule of `validation`. The message names file and node.
     """
-    with opened(path) as file:
+    with opened(path, guarded=guarded) as file:
         try:
             return _read(walk(file), str(path), validate=validate)
         except InputError as error:

@@ -16,7 +16,8 @@ import numpy as np
 from .. import __version__
 from ..errors import InputError
 from . import layout
-from .extras import restore
+from .described import is_own_name
+from .extras import AxfExtra, restore
 from .hdf5 import MAXIMUM_TEXT, one_line
 from .material import AxfFile, AxfMaterial, AxfTexture
 from .names import DIFFUSE_MODELS, FILTERS, SPECULAR_MODELS, TEXTURES
@@ -139,10 +140,13 @@ def _taken(material: AxfMaterial) -> frozenset[str]:
     """The `Group/Resource` at whose place, or in which, `extras` hold something that a texture would write.
 
     Raises:
-        InputError: one of `extras` stands where the groups of all textures belong.
+        InputError: one of `extras` stands where the groups of all textures belong, or would be read as a part of our
+            own description.
     """
     taken = set()
     for extra in material.extras:
+        if _would_describe(extra):
+            raise InputError(f"{material.id}: {extra.path} would be read as axffit's own; remove it from `extras`")
         if extra.kind == "attribute" or extra.parts[0] != layout.RESOURCES:
             continue
         if len(extra.parts) < 3 and extra.kind != "group":
@@ -152,6 +156,15 @@ def _taken(material: AxfMaterial) -> frozenset[str]:
         if len(extra.parts) == 3 or (len(extra.parts) == 4 and _RESOURCE_PART.fullmatch(extra.parts[3])):
             taken.add("/".join(extra.parts[1:3]))
     return frozenset(taken)
+
+
+def _would_describe(extra: AxfExtra) -> bool:
+    """Whether a reader would take it for our description, since a file that is none of ours held it."""
+    if extra.kind != "dataset" or len(extra.parts) < 3 or extra.parts[0] != layout.REPRESENTATIONS:
+        return False
+    group = layout.OWN_GROUPS.fullmatch(extra.parts[1])
+    inside = "/".join(extra.parts[2:])
+    return group is not None and (bool(group[1]) or is_own_name(inside))
 
 
 _RESOURCE_PART = re.compile(
