@@ -27,7 +27,10 @@ Model = Callable[..., AbstractBRDF]
 """A class of `axffit.brdf`: (color, roughness, Fresnel) to a lobe."""
 
 STARTS, STEPS = 512, 120
-ZOOMS, GRID = 11, 13
+ZOOMS, ZOOM_GRID, FIRST_GRID = 18, 11, (41, 25)
+HIGHEST_PEAK = 6.0
+"""Largest y of a peak's half vector that is looked at."""
+
 SEED = 20180608
 TINY = 1e-300
 ROUNDING = 1e-12
@@ -61,31 +64,36 @@ def find_peaks(model: Model, alpha: float, f0: float, o_z: np.ndarray) -> Peaks:
 def _find_peaks(
     model: Model, alpha: jax.Array, f0: jax.Array, o_z: jax.Array
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
-    line = jnp.linspace(-1.0, 1.0, GRID)
-    steps = [s.reshape(-1) for s in jnp.meshgrid(line, line)]
+    # In u, y = HIGHEST_PEAK u²: peaks close to the mirror direction have an azimuth, too.
+    first = [jnp.linspace(0.0, end, count) for end, count in zip((1.0, np.pi), FIRST_GRID, strict=True)]
+    line = jnp.linspace(-1.0, 1.0, ZOOM_GRID)
+    everywhere, steps = ([s.reshape(-1) for s in jnp.meshgrid(*axes)] for axes in (first, (line, line)))
+    spacing = [1.0 / (FIRST_GRID[0] - 1), np.pi / (FIRST_GRID[1] - 1)]
 
     def single(o_z: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
         wo = jnp.stack([jnp.sqrt(1.0 - o_z * o_z), jnp.zeros_like(o_z), o_z])
         mirror = jnp.log(_radiance(model, alpha, f0, wo * jnp.array([-1.0, -1.0, 1.0]), wo))
 
-        def height(y: jax.Array, turn: jax.Array) -> tuple[jax.Array, jax.Array]:
-            h = _half(alpha, y, jnp.cos(turn), jnp.sin(turn))
+        def height(u: jax.Array, turn: jax.Array) -> tuple[jax.Array, jax.Array]:
+            h = _half(alpha, HIGHEST_PEAK * u * u, jnp.cos(turn), jnp.sin(turn))
             wi = reflect(wo, h)
             lit = (wi[2] >= LOWEST) & (dot(wo, h) > 0)
             value = jnp.log(jnp.maximum(_radiance(model, alpha, f0, wi, wo), TINY)) - mirror
             return jnp.where(lit, value, -jnp.inf), (o_z - wi[2]) / (o_z + wi[2])
 
-        def zoom(carry: tuple, step: jax.Array) -> tuple[tuple, None]:
-            y, turn, _, _ = carry
-            ys = jnp.maximum(y + 2.0 * step * steps[0], 0.0)
-            turns = turn + 0.5 * jnp.pi * step * steps[1]
-            heights, v = jax.vmap(height)(ys, turns)
+        def best_of(u: jax.Array, turn: jax.Array) -> tuple[jax.Array, ...]:
+            heights, v = jax.vmap(height)(u, turn)
             best = jnp.argmax(heights)
-            return (ys[best], turns[best], v[best], heights[best]), None
+            return u[best], turn[best], v[best], heights[best]
 
-        start = (jnp.full_like(o_z, 2.0), jnp.full_like(o_z, 0.5 * jnp.pi), jnp.zeros_like(o_z), jnp.zeros_like(o_z))
-        (y, _, v, best), _ = jax.lax.scan(zoom, start, 0.45 ** jnp.arange(ZOOMS, dtype=o_z.dtype))
-        return y, v, best
+        def zoom(carry: tuple, scale: jax.Array) -> tuple[tuple, None]:
+            u, turn = carry[:2]
+            us = jnp.maximum(u + scale * spacing[0] * steps[0], 0.0)
+            return best_of(us, turn + scale * spacing[1] * steps[1]), None
+
+        scales = 1.5 * 0.65 ** jnp.arange(ZOOMS, dtype=o_z.dtype)
+        (u, _, v, best), _ = jax.lax.scan(zoom, best_of(*everywhere), scales)
+        return HIGHEST_PEAK * u * u, v, best
 
     return jax.vmap(single)(o_z)
 
