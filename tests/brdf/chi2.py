@@ -23,7 +23,7 @@ from tests.brdf.models import MODELS
 SECTORS, RINGS = 23, 3
 PILOT = 2**15
 BATCH = 2**18
-TOLERANCE = 2e-7
+TOLERANCE = 5e-8
 """Largest change of a rectangle's integral that ends its quartering; draws are known to 1e-4 of a bin at best."""
 
 FALSE_ALARM = 1e-4
@@ -57,9 +57,9 @@ class Bins:
 
 
 VIEWERS = np.array(
-    [[np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)] for t, p in ((0.2, 0.6), (1.0, -2.0), (1.45, 2.4))]
+    [[np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)] for t, p in ((0.2, 0.6), (1.0, -2.0), (1.45, 0.6))]
 )
-"""11, 57 and 83 degrees from the normal."""
+"""11, 57 and 83 degrees from the normal; none is below a tilted normal of the table's models."""
 
 CHI_SQUARE_TESTS, FURNACE_TESTS = len(MODELS) + 4, 3 * len(VIEWERS) * len(MODELS)
 LEVEL = -np.expm1(np.log1p(-FALSE_ALARM) / (CHI_SQUARE_TESTS + FURNACE_TESTS))
