@@ -22,6 +22,9 @@ _LARGEST_CHI_SQUARE = 46.0
 _RADII, _ANGLES = 12, 6
 """Of the finer quadrature rule in a sector; the coarser one has half of each."""
 
+_FEWEST = 8
+"""Draws that lay an ellipse. Fewer carry light where nearly all are hidden, below a tilted normal's horizon."""
+
 _WIDEST = 0.9
 """The ellipse ends before the rim of the disc into which the hemisphere about its center projects."""
 
@@ -69,7 +72,7 @@ def _check_share(brdf: AbstractBRDF, draws: np.ndarray, density: np.ndarray, wo:
     first, dense, rest = draws[:quarter], density[:quarter], draws[quarter:]
     # The densest quarter of the quarter lays the ellipse; all that carry light if they are fewer.
     used = first[(dense >= np.quantile(dense, 0.75)) & (dense > 0)]
-    if not len(used):
+    if len(used) < _FEWEST:
         return
     frame = _frame(used.mean(axis=0))
     flat = (used @ frame.T)[:, :2]

@@ -1,5 +1,6 @@
 """Passivity: whether a BRDF reflects more light than it receives."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import jax.numpy as jnp
@@ -11,7 +12,7 @@ from axffit.hemisphere import sample_cosine
 from axffit.numerics import normalize
 from axffit.testing.batches import Rays, evaluate, pdf, sample, viewers
 from axffit.testing.failures import vector
-from axffit.testing.structure import refraction
+from axffit.testing.structure import refraction, tilt
 
 STANDARD_ERRORS = 5.0
 """How many standard errors above 1 the estimate of an albedo must lie to count."""
@@ -86,18 +87,28 @@ def passivity_report(brdf: AbstractBRDF, wo: Rays, *, count: int = 4096, seed: i
         # A stratum each for the two kinds of draws, whose means differ.
         error[index] = np.sqrt(np.sum(estimates.var(axis=1) / half, axis=0)) / 2
     albedo += _mirrored(brdf, chosen)
+    return Passivity(chosen, albedo, error, gains(brdf) or tilt(brdf))
+
+
+def gains(brdf: AbstractBRDF) -> str | None:
+    """Why ``brdf`` may reflect more than it receives although nothing is wrong with it; None if it may not."""
     coat = refraction(brdf)
-    reason = None
-    if coat is not None:
-        reason = f"a coat of index {float(coat.ior):.4g} refracts, without a 1/n² radiance factor"
-    return Passivity(chosen, albedo, error, reason)
+    return None if coat is None else f"a coat of index {float(coat.ior):.4g} refracts, without a 1/n² radiance factor"
+
+
+def mean(reports: Sequence[Passivity]) -> Passivity:
+    """Of a surface, from places on it and the same viewers: a texel may send out what its neighbor received."""
+    albedo = np.mean([report.albedo for report in reports], axis=0)
+    error = np.sqrt(np.sum([report.standard_error**2 for report in reports], axis=0)) / len(reports)
+    return Passivity(reports[0].wo, albedo, error, None)
 
 
 def passivity(brdf: AbstractBRDF, wi: Rays, wo: Rays) -> None:
     """No more light leaves than arrives: every viewer's albedo, the coat's mirror included, is at most 1.
 
-    Enforced only where it is a law: not below a coat that refracts, which gains up to n² (:func:`passivity_report`
-    says what it is there). Broken by colors above 1, and by ``"sdk"`` lobes weighted as if their albedo were not 4.
+    Enforced only where it is a law: not below a coat that refracts, which gains up to n², and not for a tilted shading
+    normal, whose facet is not the plane the light falls on (:func:`passivity_report` says what it is there). Broken by
+    colors above 1, and by ``"sdk"`` lobes weighted as if their albedo were not 4.
     """
     demand_passive(passivity_report(brdf, wo))
 

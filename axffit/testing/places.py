@@ -22,10 +22,12 @@ class Place:
     Attributes:
         name: where it is and why it was chosen, or "" where a material has only one.
         brdf: what is reflected there.
+        extreme: whether it was chosen for being so; the others stand for the surface.
     """
 
     name: str
     brdf: AbstractBRDF
+    extreme: bool = False
 
 
 def places(material: axf.AxfMaterial, *, count: int = 8, seed: int = 0) -> tuple[Place, ...]:
@@ -48,14 +50,16 @@ def places(material: axf.AxfMaterial, *, count: int = 8, seed: int = 0) -> tuple
     random = np.random.default_rng(seed).random((count, 2))
     if material.kind is axf.MaterialKind.CAR_PAINT:
         return _paint_places(material, random)
-    chosen = {**_extremes(material), **{(float(u), float(v)): "at random" for u, v in random}}
+    extremes = _extremes(material)
+    chosen = {**extremes, **{(float(u), float(v)): "at random" for u, v in random}}
     uv = np.array(list(chosen), np.float64)
     brdfs = jax.tree.map(np.asarray, axf.to_brdf(material, uv=uv))
     one = reference_map(material) is None
     found = []
     for index, (place, why) in enumerate(chosen.items()):
         brdf = jax.tree.map(lambda leaf, index=index: jnp.asarray(leaf[index]), brdfs)
-        found.append(Place("" if one else f"uv ({place[0]:.6g}, {place[1]:.6g}), {why}", brdf))
+        name = "" if one else f"uv ({place[0]:.6g}, {place[1]:.6g}), {why}"
+        found.append(Place(name, brdf, extreme=place in extremes and not one))
     return tuple(found[:1] if one else found)
 
 

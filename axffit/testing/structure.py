@@ -30,14 +30,20 @@ def anisotropy(brdf: AbstractBRDF) -> str | None:
         case Sum():
             return next(filter(None, map(anisotropy, brdf.terms)), None)
         case Framed() | ClearCoat():
-            if np.any(np.asarray(brdf.normal)[:2] != 0):
-                whose = "shading" if isinstance(brdf, Framed) else "coat's"
-                return f"the {whose} normal is tilted"
-            return anisotropy(brdf.base)
+            return tilt(brdf) or anisotropy(brdf.base)
     for name in _PER_AXIS:
         values = np.asarray(getattr(brdf, name, 0.0))
         if values.ndim and np.any(values != values[0]):
             return f"{type(brdf).__name__} has two different values of its {name}"
+    return None
+
+
+def tilt(brdf: AbstractBRDF) -> str | None:
+    """Which normal inside ``brdf`` is not (0, 0, 1) in direction; None if all are."""
+    for module in modules(brdf):
+        if isinstance(module, Framed | ClearCoat) and np.any(np.asarray(module.normal)[:2] != 0):
+            whose = "shading" if isinstance(module, Framed) else "coat's"
+            return f"the {whose} normal is tilted"
     return None
 
 

@@ -1,15 +1,18 @@
 """Which checks there are, how they are called, and what they say."""
 
-import numpy as np
+import re
+
 import pytest
 
 from axffit import axf
+from axffit.brdf import Lambert
 from axffit.errors import InputError
 from axffit.targets import TARGETS
 from axffit.testing import laws
-from axffit.testing.checks import NotApplicable, checks_of
+from axffit.testing.checks import NotApplicable, _check_law, _check_passivity, checks_of
 from axffit.testing.negatives import negative_colors
-from tests.testing.materials import CARBON, METALLIC, constant, mapped, overexposed, plain, written
+from axffit.testing.places import Place
+from tests.testing.materials import METALLIC, constant, overexposed, plain, written
 
 
 @pytest.fixture(scope="module")
@@ -78,12 +81,25 @@ def test_a_broken_law_is_named_and_the_others_hold(file):
         found["good-isotropy"].run()
 
 
-def test_the_place_of_a_broken_law_is_named(tmp_path):
-    colors = np.full((4, 4, 3), 0.5)
-    colors[1, 2, 1] = 1.5
-    found = named(checks_of([written(tmp_path / "x.axf", plain(diffusecolor=mapped(colors)))], texels=1))
-    with pytest.raises(AssertionError, match=r"at uv \(0\.625, 0\.375\), largest channel 1 of diffusecolor$"):
-        found["plain-passivity"].run()
+def test_the_place_of_a_broken_law_is_named():
+    where = (
+        Place("uv (0, 0), at random", Lambert((0.5, 0.5, 0.5))),
+        Place("uv (1, 2), here", Lambert((0.5, -1e-3, 0.5))),
+    )
+    with pytest.raises(AssertionError, match=r"^non-negativity: .*, at uv \(1, 2\), here$"):
+        _check_law("non-negativity", where)
+
+
+def test_a_glint_is_reported_and_the_mean_over_the_surface_judged():
+    gray, bright = Place("gray", Lambert((0.5,) * 3)), Place("glint", Lambert((1.5,) * 3))
+    extreme = Place("glint", bright.brdf, extreme=True)
+    for where in ((gray, extreme), (gray, gray, bright)):
+        assert re.fullmatch(r"albedo 1\.5\d* .*, at glint", _check_passivity(where))
+    for where in ((gray, bright, bright), (bright, Place("gray", gray.brdf, extreme=True)), (extreme,)):
+        with pytest.raises(
+            AssertionError, match=r"^passivity: albedo 1\.\d+ .* is above 1(, at the mean of 3 places)?$"
+        ):
+            _check_passivity(where)
 
 
 def test_negative_colors_are_counted_and_judged_on_request_only(file):
@@ -99,12 +115,3 @@ def test_negative_flakes_are_counted_over_all_levels():
     count = sum(int((level < 0).sum()) for level in material.textures["btfflakes"].levels)
     total = sum(level.size for level in material.textures["btfflakes"].levels)
     assert f"{count} of {total} values of btfflakes, down to -0.00" in str(negative_colors(material))
-
-
-@pytest.mark.slow
-def test_the_bundled_carbon_passes_every_check():
-    for check in checks_of([str(CARBON)], texels=1, engines=list(TARGETS)):
-        try:
-            check.run()
-        except NotApplicable:
-            assert check.name == "isotropy"

@@ -72,7 +72,8 @@ def test_numbers_are_those_of_the_code():
     (cosines,) = re.findall(r"cosines of (1e-300.*?) and 0\.5", FLAT)
     assert tuple(map(float, cosines.split(", "))) == GRAZING_COSINES
     assert f"{laws.LARGEST_DIFFERENTIATED:,} entries".replace(",", " ") in FLAT
-    assert f"for {energy.MOST_VIEWERS} viewers | {energy.STANDARD_ERRORS:g} standard errors" in FLAT
+    assert f"for {energy.MOST_VIEWERS} viewers; of a material in the mean" in FLAT
+    assert f"| {energy.STANDARD_ERRORS:g} standard errors" in FLAT
     assert f"for {draws.MOST_VIEWERS} viewers" in FLAT
     assert (packing.OF_TEXEL, packing.OF_TEXTURE) == (2**-8, 2**-14)
     assert "2⁻⁸ of its texel's largest channel plus 2⁻¹⁴" in FLAT

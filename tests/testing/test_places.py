@@ -24,7 +24,7 @@ def terms_of(place) -> Any:
 
 def test_a_flat_material_has_one_place_without_a_name():
     (place,) = places(plain(), count=5)
-    assert place.name == ""
+    assert (place.name, place.extreme) == ("", False)
     assert isinstance(place.brdf, Framed)
 
 
@@ -35,6 +35,7 @@ def test_extreme_texels_come_first_and_hold_the_extremes():
         "largest specularlobe",
         *["at random"] * 3,
     ]
+    assert [place.extreme for place in found] == [True, True, False, False, False]
     assert found[0].name.startswith("uv (0.6875, 0.625)")
     assert [float(terms_of(place)[1].roughness) for place in found[:2]] == [np.float32(0.05), np.float32(0.9)]
 
