@@ -262,14 +262,15 @@ class AxfFile:
     extras: tuple[AxfExtra, ...] = ()
 
     def material(self, id: str | None = None, representation: str | None = None) -> AxfMaterial:
-        """The material of that id, or the only (first) one when none is named.
+        """The material of that id, or the only one when none is named.
 
         Args:
             id: the material.
             representation: one of its representations by name; None takes the chosen one.
 
         Raises:
-            InputError: no material has that id, it has no such representation, or the file holds none.
+            InputError: no material has that id, it has no such representation, the file holds none, or several and
+                none is named.
         """
         material = self._material(id)
         held = {entry.representation: entry for entry in (*material.alternatives, material)}
@@ -289,6 +290,8 @@ class AxfFile:
         if id is None:
             if not self.materials:
                 raise InputError(f"{where}: no material; com.xrite.Materials must hold at least one")
+            if len(self.materials) > 1:
+                raise InputError(f"{where}: it holds several materials; name one of {known}")
             return self.materials[0]
         for material in self.materials:
             if material.id == id:

@@ -119,6 +119,7 @@ def parts(content: dict[str, Any]) -> list[object]:
         shown += ["", *_material_parts(material)]
     shown += [f"inferred: {line}" for line in content["inferred"]]
     shown += [f"not recognized: {line}" for line in content["unrecognized"]]
+    shown += [_kept(content["kept"])] if content["kept"] else []
     return shown
 
 
@@ -135,17 +136,38 @@ def _material_parts(material: dict[str, Any]) -> list[object]:
     coat = material["clear_coat"]
     if coat["present"]:
         what += ", coat " + ("refracts" if coat["refracts"] else "does not refract")
-    shown: list[object] = [f"{material['id']}{named}: {material['kind']}, {what}"]
+    shown: list[object] = [f"{material['id']}{named}: {material['kind']}, {what}", _profiles(material)]
     columns = ("texture", "type", "texels", "mm", "levels", "smallest", "largest", "negative", "NaN", "outside")
     rows = [_texture_row(key, texture) for key, texture in material["textures"].items()]
     if rows:
         shown.append(table(columns, rows, text_columns=4))
     shown += [f"{key} = {value_text(value)}" for key, value in material["properties"].items()]
     shown += [f"metadata {key}: {value}" for key, value in material["metadata"].items()]
+    shown += [f"preview {path}: {' x '.join(map(str, shape))}" for path, shape in material["previews"].items()]
     shown += [f"inferred: {line}" for line in material["inferred"]]
     shown += [f"not recognized: {line}" for line in material["unrecognized"]]
+    shown += [_kept(material["kept"])] if material["kept"] else []
+    shown += [f"another representation: {entry['representation'] or entry['id']}" for entry in material["alternatives"]]
     shown += [f"UNUSABLE: {line}" for line in material["problems"]]
     return shown
+
+
+def _profiles(material: dict[str, Any]) -> str:
+    """The compatibility profiles that a material satisfies, or what keeps it from the nearest, and the AxF it needs."""
+    satisfied = [f"{each['profile']} {each['version']}" for each in material["profiles"] if not each["obstacles"]]
+    if satisfied:
+        fits = f"profiles {', '.join(satisfied)}"
+    else:
+        nearest = min(material["profiles"], key=lambda each: len(each["obstacles"]))
+        obstacles = "; ".join(nearest["obstacles"])
+        fits = f"no profile; what keeps it from {nearest['profile']} {nearest['version']}: {obstacles}"
+    least = material["minimum_version"]
+    needs = "in no documented AxF version" if least is None else f"needs AxF {'.'.join(map(str, least))}"
+    return f"{fits}; {needs}"
+
+
+def _kept(paths: list[str]) -> str:
+    return f"kept, to be written back: {_counted(len(paths), 'node')}"
 
 
 def _texture_row(key: str, texture: dict[str, Any]) -> tuple[str, ...]:

@@ -152,8 +152,10 @@ def test_clear_coat_and_refraction():
 
 def test_a_file_gives_its_materials_by_id():
     file = axf.AxfFile((material(id="a"), material(id="b")))
-    assert file.material().id == "a"
+    assert axf.AxfFile((material(id="a"),)).material().id == "a"
     assert file.material("b").id == "b"
+    with pytest.raises(InputError, match="holds several materials; name one of 'a', 'b'"):
+        file.material()
     with pytest.raises(InputError, match="no material 'c'; it holds 'a', 'b'"):
         file.material("c")
     with pytest.raises(InputError, match="no material; com.xrite.Materials"):
