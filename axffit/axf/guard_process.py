@@ -45,4 +45,5 @@ def _read(path: str) -> None:
 
 
 def _answer(text: str) -> None:
-    print(text, flush=True)
+    sys.stdout.write(f"{text}\n")
+    sys.stdout.flush()
