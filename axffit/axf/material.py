@@ -290,9 +290,10 @@ class AxfFile:
         if id is None:
             if not self.materials:
                 raise InputError(f"{where}: no material; com.xrite.Materials must hold at least one")
-            if len(self.materials) > 1:
+            first, *others = self.materials
+            if others:
                 raise InputError(f"{where}: it holds several materials; name one of {known}")
-            return self.materials[0]
+            return first
         for material in self.materials:
             if material.id == id:
                 return material

@@ -136,7 +136,7 @@ def test_values_are_right_to_their_condition(name, dtype):
 @every_model
 def test_values_are_right_to_their_condition_everywhere(name, dtype, record_property):
     ratios, counts = zip(*(worst_ratio(name, batch, dtype) for batch in range(1, ALL)), strict=True)
-    record_property("worst ratio", max(ratios))
+    record_property("worst ratio", float(max(ratios)))
     assert sum(counts) > 3000
     assert max(ratios) <= FACTOR
 
@@ -174,7 +174,7 @@ def test_isotropic_lobes_are_right_outright(name, dtype):
 @pytest.mark.parametrize("name", LOBES)
 def test_isotropic_lobes_are_right_outright_everywhere(name, dtype, record_property):
     errors = [error for batch in range(1, ALL) for error in outright_errors(name, batch, dtype)]
-    record_property("worst error", max(errors))
+    record_property("worst error", float(max(errors)))
     assert max(errors) <= OUTRIGHT[dtype]
 
 
@@ -247,5 +247,5 @@ def test_gradients_in_every_parameter_are_right(name):
 def test_gradients_in_every_parameter_are_right_everywhere(name, record_property):
     """10 200 directions."""
     worst = worst_gradient(name, range(2, ALL + 2), BATCH)
-    record_property("worst gradient", worst)
+    record_property("worst gradient", float(worst))
     assert worst <= GRADIENT

@@ -8,7 +8,6 @@ import numpy as np
 from axffit import axf
 
 DATA = Path(__file__).resolve().parents[2] / "data_synthetic"
-CARBON = DATA / "brushed_carbon" / "brushed_carbon.axf"
 METALLIC = DATA / "metallic_paint" / "metallic_paint.axf"
 
 

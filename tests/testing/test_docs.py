@@ -44,6 +44,7 @@ def test_every_command_of_the_page_runs(line, tmp_path):
     assert code == 0, text
 
 
+@pytest.mark.slow
 def test_the_blocks_of_code_run(tmp_path):
     """One process for both: the laws below in a test of their own."""
     laws_alone = "\n".join(f"    {line}" for line in OF_LAWS.splitlines())

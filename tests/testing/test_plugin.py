@@ -57,6 +57,7 @@ def test_a_broken_law_fails_and_says_where(tmp_path):
     assert " is above 1" in text
 
 
+@pytest.mark.slow
 def test_negative_colors_fail_on_request(tmp_path):
     file = written(tmp_path / "dark.axf", plain(diffusecolor=constant(-1.5, 0.5, 0.5)))
     code, text = run(tmp_path, "--axf", file, "-k", "negative-colors", "--axf-strict")
