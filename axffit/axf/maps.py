@@ -89,9 +89,14 @@ def stretch(texture: AxfTexture, reference: AxfTexture | None) -> np.ndarray:
     return np.array([reference.width_mm / texture.width_mm, reference.height_mm / texture.height_mm])
 
 
+def nearest(shape: tuple[int, ...], uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows and columns (...) of the texels of a map [H, W, C] that hold coordinates (..., 2) of it; maps repeat."""
+    height, width = shape[:2]
+    rows = np.floor(uv[..., 1] * height).astype(np.int64) % height
+    return rows, np.floor(uv[..., 0] * width).astype(np.int64) % width
+
+
 def _nearest(texture: AxfTexture, uv: np.ndarray) -> np.ndarray:
     # A map without a size in millimeters is a constant, whatever its texels: its mean would invent a value.
-    height, width, _ = (1, 1, 0) if texture.is_constant else texture.data.shape
-    columns = np.floor(uv[..., 0] * width).astype(np.int64) % width
-    rows = np.floor(uv[..., 1] * height).astype(np.int64) % height
-    return texture.data[rows, columns].astype(np.float32)
+    shape = (1, 1) if texture.is_constant else texture.data.shape
+    return texture.data[nearest(shape, uv)].astype(np.float32)
