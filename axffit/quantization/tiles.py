@@ -129,7 +129,7 @@ def _looked_up(
     reference: AxfTexture | None,
     values: Callable[[np.ndarray], np.ndarray],
 ) -> Side:
-    """A level as a function of place; ``tiled`` turns the material's coordinates into the map's, None for a constant."""
+    """A level by place; ``tiled`` turns the material's coordinates into the map's, None for a constant map."""
     if tiled is None:
         single = values(level[0, :1])
         return lambda uv, run: np.broadcast_to(single, (len(uv), single.shape[-1]))
