@@ -12,6 +12,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.core import Tracer
 from jaxtyping import Array, Float
 
 _NUDGE = 1e-3
@@ -46,12 +47,13 @@ class AbstractBijection(eqx.Module):
         """Raw value to start from; a start on a bound, where the raw value is infinite, is moved inside.
 
         Raises:
-            ValueError: ``value`` lies outside the bounds or is not finite.
+            ValueError: ``value`` lies outside the bounds or is not finite; a value that JAX traces is not looked at.
         """
-        concrete = np.asarray(value, np.float64)
-        if not (np.all(concrete >= self.lower) and np.all(concrete <= self.upper)):
-            raise ValueError(f"start {value} lies outside [{self.lower:g}, {self.upper:g}]: start inside")
-        fraction = jnp.clip(self.fraction(jnp.asarray(concrete)), _NUDGE, 1.0 - _NUDGE)
+        if not isinstance(value, Tracer):
+            value = np.asarray(value, np.float64)
+            if not (np.all(value >= self.lower) and np.all(value <= self.upper)):
+                raise ValueError(f"start {value} lies outside [{self.lower:g}, {self.upper:g}]: start inside")
+        fraction = jnp.clip(self.fraction(jnp.asarray(value)), _NUDGE, 1.0 - _NUDGE)
         return self.inverse(self.at(fraction))
 
     def at_bound(self, value: Any) -> np.ndarray:

@@ -17,7 +17,7 @@ from axffit.fitting.models import SCAN_ROUGHNESSES, AbstractLobeModel, Shapes
 from axffit.fitting.nonnegative import solve_nonnegative
 from axffit.fitting.separable import SeparableProblem, Solution, cost_at, solve
 
-_POLISHED = 6
+POLISHED = 6
 _SUBSAMPLE = 8192
 _GOLDEN = 0.6180339887498949
 
@@ -52,24 +52,30 @@ def _scan(problem: SeparableProblem, model: AbstractLobeModel, roughnesses, choi
     return jnp.sum(cost, axis=0), jnp.moveaxis(weights, 0, 1)
 
 
-def scan(problem: SeparableProblem, *, count: int = 3) -> list[Shapes]:
-    """The ``count`` best starts, best first, by the linearized cost.
+def scanned_starts(problem: SeparableProblem, model: AbstractLobeModel, count: int) -> Shapes:
+    """The ``count`` best starts, best first, by the linearized cost, on a leading axis; may be traced by JAX.
 
     For single lobes F0 = p / (p + q) of the channels' sums, kept off its bounds.
     """
+    choices = np.array(list(combinations(range(len(SCAN_ROUGHNESSES)), model.lobe_count)))
+    count = min(count, len(choices))
+    cost, weights = _scan(problem, model, jnp.asarray(SCAN_ROUGHNESSES), jnp.asarray(choices))
+    best = jnp.argsort(cost, stable=True)[:count]
+    f0 = None
+    if model.bounds().f0 is not None:
+        p, q = jnp.moveaxis(jnp.sum(weights[best], axis=1)[:, 1:3], 1, 0)
+        lit = p + q > 0
+        f0 = jnp.where(lit, jnp.clip(p / jnp.where(lit, p + q, 1.0), 0.02, 0.9), 0.5)
+    return Shapes(jnp.asarray(SCAN_ROUGHNESSES)[jnp.asarray(choices)[best]], f0)
+
+
+def scan(problem: SeparableProblem, *, count: int = 3) -> list[Shapes]:
+    """:func:`scanned_starts` as a list; a model without lobes has one start without shapes."""
     model = problem.model
     if not isinstance(model, AbstractLobeModel):
         return [Shapes()]
-    choices = np.array(list(combinations(range(len(SCAN_ROUGHNESSES)), model.lobe_count)))
-    cost, weights = (np.asarray(x) for x in _scan(problem, model, jnp.asarray(SCAN_ROUGHNESSES), jnp.asarray(choices)))
-    starts = []
-    for best in np.argsort(cost, kind="stable")[:count]:
-        f0 = None
-        if model.bounds().f0 is not None:
-            p, q = weights[best].sum(axis=0)[1:3]
-            f0 = jnp.asarray(np.clip(p / (p + q), 0.02, 0.9) if p + q > 0 else 0.5)
-        starts.append(Shapes(jnp.asarray(SCAN_ROUGHNESSES[choices[best]]), f0))
-    return starts
+    starts = scanned_starts(problem, model, count)
+    return [jax.tree.map(lambda leaf, k=k: leaf[k], starts) for k in range(len(starts.roughness))]
 
 
 def subsample(problem: SeparableProblem, count: int) -> SeparableProblem:
@@ -93,7 +99,7 @@ def minimize(
     """
     if progress is not None:
         progress("scan for starts", 0.0)
-    starts = scan(problem, count=_POLISHED)
+    starts = scan(problem, count=POLISHED)
     small = problem if len(problem.wi) <= 2 * _SUBSAMPLE else subsample(problem, _SUBSAMPLE)
     found = []
     for number, start in enumerate(starts):
