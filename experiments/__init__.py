@@ -1,0 +1,1 @@
+"""Questions answered by computation, each with a committed report."""
