@@ -19,7 +19,7 @@ import h5py.h5s
 import numpy as np
 
 from ..errors import InputError
-from . import guard
+from . import guard, scratch
 from .extras import AxfExtra, Kind, is_plain, kept
 from .filters import check_filters
 from .heaps import check_heaps
@@ -310,7 +310,7 @@ class _Found:
 
         def load() -> object:
             check_filters(dataset.id)
-            return dataset[()]
+            return _values(dataset)
 
         def keep() -> AxfExtra:
             check_filters(dataset.id)
@@ -347,6 +347,17 @@ class _Found:
             # An oversized attribute is never looked into, only kept.
             dtype = np.dtype("V1") if size > MAXIMUM_TEXT else dtype
             self.leaves.append(Leaf(at, shape, dtype, lambda name=name: node.attrs[name], keep, attribute=True))
+
+
+def _values(dataset: h5py.Dataset) -> object:
+    """All values; large numbers in native byte order and outside of memory."""
+    dtype = dataset.dtype
+    if dtype.kind not in "iuf" or dataset.shape is None or dataset.nbytes < scratch.LARGE:
+        return dataset[()]
+    values = scratch.empty(dataset.shape, dtype.newbyteorder("="))
+    dataset.read_direct(values)
+    scratch.let_go(values)
+    return values
 
 
 def _check_size(parts: tuple[str, ...], dataset: h5py.Dataset, itemsize: int) -> None:

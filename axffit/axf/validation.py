@@ -17,6 +17,7 @@ from .ranges import (
     Outside,
     Range,
 )
+from .scratch import let_go
 
 LOBE_ARRAYS = ("CT_coeffs", "CT_F0s", "CT_spreads")
 """The three properties that describe the lobes of a car paint, one entry a lobe each."""
@@ -99,6 +100,7 @@ def _value_problems(key: str, texture: AxfTexture, node: str, specular_model: st
                 yield (
                     f"{where}: {_place(bad, level)} in {key} of length 0; a normal needs a direction, (0, 0, 1) is flat"
                 )
+        let_go(level)
 
 
 def _spectrum_problems(key: str, texture: AxfTexture, node: str) -> Iterator[str]:

@@ -168,10 +168,9 @@ def _negatives(
     form, channels = texture.number_format, min(texture.channels, original.channels)
     negative = through = 0
     for level, codes in zip(original.levels, texture.levels, strict=True):
-        flat = level.reshape(-1, level.shape[-1])
-        for run, rows in blocks(codes):
-            below = flat[run][:, :channels] < 0
-            negative += int(np.count_nonzero(np.any(flat[run] < 0, axis=-1)))
+        for (_, wanted), (_, rows) in zip(blocks(level), blocks(codes), strict=True):
+            below = wanted[:, :channels] < 0
+            negative += int(np.count_nonzero(np.any(wanted < 0, axis=-1)))
             through += int(np.count_nonzero(np.any(below & _is_negative(rows[:, :channels], form), axis=-1)))
     if through:
         yield Fault(

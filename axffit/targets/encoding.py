@@ -1,4 +1,4 @@
-"""Levels of a texture to codes and back, in blocks, so that a 4096² map costs no more memory than its codes.
+"""Levels of a texture to codes and back, in blocks; large results lie outside of memory (`axf.scratch`).
 
 Every target uses these two directions; a target only says which re-ranging and which format.
 """
@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..axf.scratch import empty, let_go
 from ..textures import Counts, NumberFormat
 from ..textures.rerange import Reranging, texels
 
@@ -15,11 +16,15 @@ BLOCK_TEXELS = 2**17
 
 
 def blocks(level: np.ndarray) -> Iterator[tuple[slice, np.ndarray]]:
-    """Runs of texels of a level [..., C] as ([start, stop) in the flattened texel order, the rows [n, C])."""
+    """Runs of texels of a level [..., C] as ([start, stop) in the flattened texel order, the rows [n, C]).
+
+    A level outside of memory takes some only while its blocks are gone through.
+    """
     flat = level.reshape(-1, level.shape[-1])
     for start in range(0, len(flat), BLOCK_TEXELS):
         run = slice(start, min(start + BLOCK_TEXELS, len(flat)))
         yield run, flat[run]
+    let_go(level)
 
 
 def spread(values: np.ndarray, channels: int) -> np.ndarray:
@@ -48,7 +53,7 @@ def encode_level(
         rounding: its rounding mode.
         gray: whether a single channel stands for a gray color and is repeated on three channels.
     """
-    codes = np.empty((level[..., 0].size, form.channels), dtype=form.codecs[0].code_type)
+    codes = empty((level[..., 0].size, form.channels), form.codecs[0].code_type)
     lowest = np.array([codec.lowest for codec in form.codecs])
     highest = np.array([codec.highest for codec in form.codecs])
     counts = Counts()
@@ -66,6 +71,7 @@ def encode_level(
             values = held
         counts += transform.count(rows)
         codes[run] = form.encode(values, rounding)
+    let_go(codes)
     return codes.reshape(*level.shape[:-1], form.channels), counts
 
 
@@ -81,8 +87,9 @@ def decode_level(codes: np.ndarray, reading: Reranging, form: NumberFormat, chan
         with np.errstate(over="ignore"):
             values = decode_rows(rows, reading, form, channels)
             if level is None:
-                level = np.empty((codes[..., 0].size, values.shape[-1]), dtype=np.float32)
+                level = empty((codes[..., 0].size, values.shape[-1]), np.float32)
             level[run] = values
     if level is None:
         return np.empty((*codes.shape[:-1], channels), dtype=np.float32)
+    let_go(level)
     return level.reshape(*codes.shape[:-1], level.shape[-1])

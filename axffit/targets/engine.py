@@ -18,7 +18,7 @@ from ..textures import Counts, NumberFormat, format_named
 from ..textures.codec import check_rounding
 from ..textures.rerange import Chain, Identity, Reranging, Scale, texels
 from .base import PackedMaterial, PackedTexture, Problem
-from .encoding import decode_level, encode_level, spread
+from .encoding import blocks, decode_level, encode_level, spread
 from .rerangings import ChannelScale
 from .table import SLICE_TABLE, Absent, FormatChoice, Scaling, Tables, TextureRow
 from .validate import problems
@@ -272,7 +272,7 @@ def _default_wanted(row: TextureRow, material: AxfMaterial) -> bool:
 def _scale(row: TextureRow, source: AxfTexture, choice: FormatChoice) -> float | tuple[float, ...]:
     """What the texture is divided by, float32; see `Scaling`."""
     if row.scaling is Scaling.PER_CHANNEL:
-        tops = [choice.reranging.forward(level).reshape(-1, source.channels).max(axis=0) for level in source.levels]
+        tops = [choice.reranging.forward(rows).max(axis=0) for level in source.levels for _, rows in blocks(level)]
         largest = np.resize(np.maximum(np.max(tops, axis=0), 0.1).astype(np.float32), 3)
         return tuple(float(number) for number in largest)
     if row.scaling is Scaling.FILL and format_named(choice.format).is_float:
