@@ -3,7 +3,8 @@
 import time
 from pathlib import Path
 
-from axffit.quantization.bounds import LOBES, advised, bracket
+from axffit.brdf import Schlick1994
+from axffit.quantization.bounds import LOBES, Form, advised, bracket
 
 ROUGHNESSES = (0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.3, 0.6, 1.0)
 REFLECTANCES = (0.04, 1.0)
@@ -17,11 +18,11 @@ def table() -> str:
         "|---" * 12 + "|",
     ]
     for model in LOBES:
-        bracket(model, advised(ROUGHNESSES[0]))
+        bracket(Form(specular=model, fresnel=Schlick1994), advised(ROUGHNESSES[0]))
         for alpha in ROUGHNESSES:
             for f0 in REFLECTANCES:
                 start = time.process_time()
-                both = bracket(model, advised(alpha, f0))
+                both = bracket(Form(specular=model, fresnel=Schlick1994), advised(alpha, f0))
                 seconds = time.process_time() - start
                 cells = [
                     f"{one.found:.3e} | {one.bound:.3e} | {one.bound / one.found:.3f} | {one.boxes}"

@@ -1,12 +1,21 @@
-"""Proved upper bounds of what quantization does to a lobe, beside the largest error found: [found, bound].
+"""Proved upper bounds of what quantization does to a BRDF, beside the largest error found: [found, bound].
 
-For a class of texels (a box in parameter space) and both definitions of the BRDF error, over all views and lights at
-least 1° above the horizon: `search` climbs to the largest error with the library's own models; `branch` proves by
-interval arithmetic with outward rounding that none is larger than the bound. The mathematics is in ``docs/bounds.md``.
+`bracket` is the entry point: for a `Form` (which models) and a `TexelClass` (a box of parameters and their errors) it
+says, for both definitions of the BRDF error, how large an error `search` could find with the library's own models, and
+which none exceeds, proved by interval arithmetic with outward rounding. `form_of` and `classes_of` make the two from a
+material before and after packing; `hull` merges classes. What is not covered raises `NoBound`. The mathematics is in
+``docs/bounds.md``.
 """
 
 from .bracket import LOBES as LOBES
 from .bracket import Bracket as Bracket
 from .bracket import bracket as bracket
+from .form import Coat as Coat
+from .form import Form as Form
+from .form import NoBound as NoBound
+from .form import Paint as Paint
+from .of_material import classes_of as classes_of
+from .of_material import form_of as form_of
 from .texel_class import TexelClass as TexelClass
 from .texel_class import advised as advised
+from .texel_class import hull as hull
