@@ -17,7 +17,7 @@ import numpy as np
 
 from axffit.brdf import AbstractBRDF, ColorTable
 from axffit.fitting.bijections import forward_tree, start_tree
-from axffit.fitting.estimates import estimates
+from axffit.fitting.estimates import Estimates, estimates
 from axffit.fitting.joint import JointProblem, JointResult
 from axffit.fitting.metrics import Metrics, evaluate_samples, metrics_of
 from axffit.fitting.models import CarPaintModel, Shapes
@@ -105,18 +105,18 @@ def fit_car_paint(
     problem = make_problem(model, residual, measurements, residual.prepare(measurements))
     color, scaled = _one_color(problem, lobes)
     plain = _paint(model, scaled, color.reshape(1, 1, 3))
-    first_parameters = estimates(gray_problem, lobes.shapes, lobes.weights)
+    first_estimates = estimates(gray_problem, lobes.shapes, lobes.weights)
     stage = Stage(
         "lobes on luminance, one color",
         _metrics(plain, measurements),
-        first_parameters,
+        first_estimates.parameters,
         float(first.cost),
         int(first.steps),
         bool(first.converged),
     )
     if size == 0 or not np.isfinite(first.cost):
         outcome = _outcome(converged=bool(first.converged), cost=float(first.cost))
-        return {"model": plain, "outcome": outcome, "parameters": first_parameters, "stages": (stage,)}
+        return {"model": plain, "outcome": outcome, "stages": (stage,), **first_estimates._asdict()}
     joint = _joint_problem(model, problem, measurements, size, smoothing)
     raw = np.asarray(start_tree(model.bounds(), scaled.shapes).roughness)
     start = (raw, np.asarray(scaled.weights)[:, 0], np.repeat(color[None, :], size * size, axis=0))
@@ -131,15 +131,15 @@ def fit_car_paint(
         )
     stages = [stage]
     named = (("color table", table_only), ("lobes and color table", together))
-    brdf, parameters = plain, first_parameters
+    brdf, found = plain, first_estimates
     for name, result in named:
-        brdf, parameters = _finish(joint, model, result)
-        stages.append(_stage(name, brdf, parameters, result, measurements))
+        brdf, found = _finish(joint, model, result)
+        stages.append(_stage(name, brdf, found.parameters, result, measurements))
     return {
         "model": brdf,
         "outcome": _outcome(converged=together.converged, cost=together.state.cost),
-        "parameters": parameters,
         "stages": tuple(stages),
+        **found._asdict(),
         "measured_texels": joint.design.measured.reshape(size, size),
         "notes": _notes(joint.design),
     }
@@ -166,9 +166,7 @@ def _joint_problem(
     return JointProblem(problem, design.keeping(real), weights, smoothing=smoothing)
 
 
-def _finish(
-    joint: JointProblem, model: CarPaintModel, result: JointResult
-) -> tuple[AbstractBRDF, tuple[ParameterEstimate, ...]]:
+def _finish(joint: JointProblem, model: CarPaintModel, result: JointResult) -> tuple[AbstractBRDF, Estimates]:
     """The paint of a joint state, and its parameters with errors that are conditional on the table."""
     state = result.state
     shapes = forward_tree(model.bounds(), Shapes(jnp.asarray(state.raw)))
@@ -178,7 +176,7 @@ def _finish(
     return brdf, conditional_estimates(joint, lobes, state.table)
 
 
-def conditional_estimates(joint: JointProblem, lobes: Lobes, table: np.ndarray) -> tuple[ParameterEstimate, ...]:
+def conditional_estimates(joint: JointProblem, lobes: Lobes, table: np.ndarray) -> Estimates:
     """Parameters of b with standard errors for this table; each channel is b times a known factor."""
     chi = joint.design.matrix @ table
     return estimates(joint.problem, lobes.shapes, lobes.weights, color=chi)

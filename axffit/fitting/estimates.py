@@ -1,5 +1,7 @@
 """From a covariance to named parameters with an honest status each."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from axffit.fitting.models import ROUGHNESS_BOUNDS, AbstractFitModel, CarPaintModel, Shapes
@@ -16,12 +18,21 @@ def _channel_name(name: str, channel: int, count: int) -> str:
     return name if count == 1 else f"{name} {_CHANNELS[channel] if count == 3 else channel}"
 
 
+class Estimates(NamedTuple):
+    """Parameters and the correlations (P, P) of their estimates; NaN where one of a pair has no standard error."""
+
+    parameters: tuple[ParameterEstimate, ...]
+    correlations: np.ndarray
+
+
 class _Estimator:
     """Makes estimates from one covariance; ``conditional`` turns identified parameters into conditional ones."""
 
     def __init__(self, covariance: Covariance, *, conditional: bool):
         self.covariance = covariance
         self.conditional = conditional
+        self.found: list[ParameterEstimate] = []
+        self.gradients: list[np.ndarray] = []
 
     def unit(self, index: int) -> np.ndarray:
         return np.eye(len(self.covariance.free))[index]
@@ -36,7 +47,7 @@ class _Estimator:
         low: float = 0.0,
         at_bound: bool = False,
         undetermined: bool = False,
-    ) -> ParameterEstimate:
+    ) -> None:
         touched = gradient != 0
         lost = not np.all(self.covariance.determined[touched & self.covariance.free])
         status: Status = "conditional" if self.conditional else "identified"
@@ -46,7 +57,8 @@ class _Estimator:
             status = "at bound"
         known = status in ("identified", "conditional")
         error = self.covariance.error(gradient) if known else None
-        return ParameterEstimate(name, float(value), error, status, low, high)
+        self.found.append(ParameterEstimate(name, float(value), error, status, low, high))
+        self.gradients.append(gradient if known else np.full_like(gradient, np.nan))
 
     def split_undetermined(self, p: float, q: float, in_p: np.ndarray, in_q: np.ndarray) -> bool:
         """Whether F0 = p / (p + q) ranges over more than half of [0, 1] within the 99.9 % intervals of p and q.
@@ -59,20 +71,25 @@ class _Estimator:
         highest = most / (most + max(q - dq, 0.0)) if most > 0 else 0.0
         return highest - lowest > _WIDEST_F0
 
-    def roughness(self, name: str, value: float, index: int, *, active: bool) -> ParameterEstimate:
+    def roughness(self, name: str, value: float, index: int, *, active: bool) -> None:
         low, high = ROUGHNESS_BOUNDS
         gradient = self.unit(index)
         wide = self.covariance.error(gradient) > _WIDEST_LOG_ROUGHNESS * value
         on_bound = active and (value < low * 1.001 or value > high * 0.999)
-        return self.estimate(
-            name, value, gradient, low=low, high=high, at_bound=on_bound, undetermined=not active or wide
-        )
+        self.estimate(name, value, gradient, low=low, high=high, at_bound=on_bound, undetermined=not active or wide)
+
+    def estimates(self) -> Estimates:
+        gradients = np.stack(self.gradients)
+        joint = gradients @ self.covariance.matrix @ gradients.T
+        errors = np.sqrt(np.diagonal(joint))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return Estimates(tuple(self.found), np.clip(joint / np.outer(errors, errors), -1.0, 1.0))
 
 
 def estimates(
     problem: SeparableProblem, shapes: Shapes, weights: Weights, *, color: np.ndarray | None = None
-) -> tuple[ParameterEstimate, ...]:
-    """The parameters of the fitted model of ``problem`` with their standard errors.
+) -> Estimates:
+    """The parameters of the fitted model of ``problem`` with their standard errors and correlations.
 
     With ``color`` (n, channels) they are those of the brightness of a car paint for this color of each sample, and
     every interval is called conditional.
@@ -89,7 +106,7 @@ def _car_paint(
     shapes: Shapes,
     weights: Weights,
     color: np.ndarray | None,
-) -> tuple[ParameterEstimate, ...]:
+) -> Estimates:
     """A diffuse term, then s_k, F0_k, alpha_k and s_k F0_k of each lobe."""
     spreads, values = np.asarray(shapes.roughness), np.asarray(weights)[:, 0]
     count = model.lobes
@@ -105,7 +122,7 @@ def _car_paint(
     # almost all that could tell F0 from the coefficient.
     absorbed = color is not None and model.coat is not None and model.coat.refracting
     diffuse = float(values[0])
-    found = [make.estimate("diffuse", diffuse, make.unit(count), at_bound=diffuse == 0)]
+    make.estimate("diffuse", diffuse, make.unit(count), at_bound=diffuse == 0)
     p, q, spreads = p.tolist(), q.tolist(), spreads.tolist()
     for k in range(count):
         s, lit = p[k] + q[k], bool(on[k])
@@ -113,25 +130,15 @@ def _car_paint(
         in_f0 = (q[k] * in_p - p[k] * in_q) / s**2 if lit else 0.0 * in_p
         vague = lit and (absorbed or make.split_undetermined(p[k], q[k], in_p, in_q))
         f0_on_edge = lit and (p[k] == 0 or q[k] == 0)
-        found += [
-            make.estimate(f"coefficient {k + 1}", s, in_p + in_q, at_bound=not lit, undetermined=vague),
-            make.estimate(
-                f"f0 {k + 1}",
-                p[k] / s if lit else 1.0,
-                in_f0,
-                high=1.0,
-                at_bound=f0_on_edge,
-                undetermined=vague or not lit,
-            ),
-            make.roughness(f"spread {k + 1}", spreads[k], k, active=lit),
-            make.estimate(f"coefficient x f0 {k + 1}", p[k], in_p, at_bound=p[k] == 0),
-        ]
-    return tuple(found)
+        f0, unknown = p[k] / s if lit else 1.0, vague or not lit
+        make.estimate(f"coefficient {k + 1}", s, in_p + in_q, at_bound=not lit, undetermined=vague)
+        make.estimate(f"f0 {k + 1}", f0, in_f0, high=1.0, at_bound=f0_on_edge, undetermined=unknown)
+        make.roughness(f"spread {k + 1}", spreads[k], k, active=lit)
+        make.estimate(f"coefficient x f0 {k + 1}", p[k], in_p, at_bound=p[k] == 0)
+    return make.estimates()
 
 
-def _colored(
-    problem: SeparableProblem, model: AbstractFitModel, shapes: Shapes, weights: Weights
-) -> tuple[ParameterEstimate, ...]:
+def _colored(problem: SeparableProblem, model: AbstractFitModel, shapes: Shapes, weights: Weights) -> Estimates:
     """Diffuse and specular colors, roughness, F0, and the product of color and F0 where F0 is fitted."""
     values = np.asarray(weights)
     m, channels = values.shape
@@ -158,22 +165,21 @@ def _colored(
         s, in_s = terms[1][brightest], make.unit(first + brightest * m + 1)
         in_p, in_q = f0 * in_s + s * in_f0, (1.0 - f0) * in_s - s * in_f0
         vague = make.split_undetermined(s * f0, s * (1.0 - f0), in_p, in_q)
-    found = []
     for c in range(channels):
         diffuse = terms[0][c]
         name = _channel_name("diffuse", c, channels)
-        found.append(make.estimate(name, diffuse, make.unit(first + c * m), at_bound=diffuse == 0))
+        make.estimate(name, diffuse, make.unit(first + c * m), at_bound=diffuse == 0)
     for c in range(channels if lobe else 0):
         s, in_s = terms[1][c], make.unit(first + c * m + 1)
         name = _channel_name("specular", c, channels)
-        found.append(make.estimate(name, s, in_s, at_bound=s == 0, undetermined=vague))
+        make.estimate(name, s, in_s, at_bound=s == 0, undetermined=vague)
     if lobe:
-        found.append(make.roughness("roughness", roughness, 0, active=on))
+        make.roughness("roughness", roughness, 0, active=on)
     if f0 is not None:
-        found.append(make.estimate("f0", f0, in_f0, high=1.0, at_bound=on and f0_on_edge, undetermined=vague or not on))
+        make.estimate("f0", f0, in_f0, high=1.0, at_bound=on and f0_on_edge, undetermined=vague or not on)
         for c in range(channels):
             s, in_s = terms[1][c], make.unit(first + c * m + 1)
             name = _channel_name("specular x f0", c, channels)
             product = s * f0
-            found.append(make.estimate(name, product, f0 * in_s + s * in_f0, at_bound=product == 0))
-    return tuple(found)
+            make.estimate(name, product, f0 * in_s + s * in_f0, at_bound=product == 0)
+    return make.estimates()

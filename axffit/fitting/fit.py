@@ -147,7 +147,7 @@ def _fit_colored(
     return {
         "model": model.assemble(best.shapes, best.weights),
         "outcome": outcome,
-        "parameters": estimates(problem, best.shapes, best.weights),
+        **estimates(problem, best.shapes, best.weights)._asdict(),
     }
 
 

@@ -111,6 +111,7 @@ class FitResult:
         model_name: as on the command line.
         outcome: how the fit ended.
         parameters: of ``model``, lobes in the order of their spreads, lobes without weight last.
+        correlations: (P, P) of the estimates of ``parameters``, NaN where one of a pair has no standard error; or None.
         metrics: of ``model`` on the samples, or None.
         limits: the best that whole classes of models can do on these samples.
         stages: of a fit in several; the first one's parameters hold for lobes without a free color table.
@@ -125,6 +126,7 @@ class FitResult:
     model_name: str
     outcome: Outcome
     parameters: tuple[ParameterEstimate, ...] = ()
+    correlations: np.ndarray | None = None
     metrics: Metrics | None = None
     limits: tuple[Limit, ...] = ()
     stages: tuple[Stage, ...] = ()
@@ -161,6 +163,7 @@ class FitResult:
             "metrics": None if self.metrics is None else self.metrics.to_json(),
             "limits": [_limit_json(limit, self.metrics) for limit in self.limits],
             "parameters": [parameter.to_json() for parameter in self.parameters],
+            "correlations": None if self.correlations is None else _correlations_json(self.correlations),
             "stages": [stage.to_json() for stage in self.stages],
             "color_table": None if self.measured_texels is None else _table_json(self.measured_texels),
             "notes": list(self.notes),
@@ -170,6 +173,10 @@ class FitResult:
 def _limit_json(limit: Limit, metrics: Metrics | None) -> dict[str, Any]:
     """The limit, and the metrics as multiples of it."""
     return limit.to_json() | {"ratio": None if metrics is None else limit.ratios(metrics)}
+
+
+def _correlations_json(correlations: np.ndarray) -> list[list[float | None]]:
+    return [[None if math.isnan(value) else value for value in row] for row in correlations.tolist()]
 
 
 def _table_json(measured: np.ndarray) -> dict[str, int]:
