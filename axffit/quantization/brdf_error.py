@@ -27,8 +27,8 @@ from ..brdf import AbstractBRDF, ClearCoat
 from ..frames import dot, refract
 from ..numerics import normalize
 from .directions import LOWEST, VIEW_POLAR, LobeFrames, even_lights, half_vectors, lobe_lights, views
-from .maps import finite_or_none
 from .measures import COLORS
+from .statistics import finite_or_none
 
 RINGS, SPOKES, EVEN_LIGHTS = 24, 12, 60
 RELEVANT = 1e-3

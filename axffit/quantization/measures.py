@@ -70,19 +70,20 @@ def relative_color(before: Rows, after: Rows) -> np.ndarray:
     return np.max(np.abs(after - wanted) / np.maximum(wanted, SMALLEST_COLOR), axis=-1)
 
 
-def _usable_ior(values: Rows) -> Rows:
+def usable_ior(values: Rows) -> Rows:
+    """Indices of refraction; 1.5, which the specification puts in its place, for what is none (NaN, not positive)."""
     return np.where(values > 0, values, DEFAULT_IOR)
 
 
 def f0_of_ior(before: Rows, after: Rows) -> np.ndarray:
-    """|F0(n') - F0(n)|; an unusable n counts as 1.5, which the specification puts in its place."""
+    """|F0(n') - F0(n)|; an unusable n counts as 1.5."""
     forward = IorToF0().forward
-    return absolute(forward(_usable_ior(before)), forward(after))
+    return absolute(forward(usable_ior(before)), forward(after))
 
 
 def ior(before: Rows, after: Rows) -> np.ndarray:
     """|n' - n|; an unusable n counts as 1.5. Infinite where F0 = 1 comes back, about |1/n - n| where n < 1 does."""
-    before = _usable_ior(before)
+    before = usable_ior(before)
     with np.errstate(invalid="ignore"):
         difference = np.abs(after - before)
     return np.max(np.where(before == after, 0.0, difference), axis=-1)

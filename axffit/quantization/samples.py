@@ -6,11 +6,14 @@ import numpy as np
 
 from ..axf import AxfMaterial, AxfTexture
 from ..axf.maps import SPATIAL_KEYS, grid_shape, reference_map
+from ..axf.scratch import let_go
 from .maps import MapErrors
 
 SEED = 20180608
 EXTREMES = 4
 """Texels taken at each end of each channel of each map."""
+
+_RUN = 2**18
 
 
 def sample_texels(material: AxfMaterial, errors: Mapping[str, MapErrors], count: int) -> np.ndarray:
@@ -49,7 +52,7 @@ def _extremes(material: AxfMaterial, errors: Mapping[str, MapErrors], grid: tupl
             continue
         channels = [errors[key].picture.reshape(-1), *np.moveaxis(texture.data.reshape(-1, texture.channels), -1, 0)]
         for values in channels:
-            ranked.append((texture, _ends(np.nan_to_num(values.astype(np.float64)))))
+            ranked.append((texture, _ends(values)))
     for rank in range(2 * EXTREMES):
         yield from (
             _on_grid(texture, order[rank : rank + 1], reference, grid) for texture, order in ranked if len(order) > rank
@@ -57,11 +60,18 @@ def _extremes(material: AxfMaterial, errors: Mapping[str, MapErrors], grid: tupl
 
 
 def _ends(values: np.ndarray) -> np.ndarray:
-    """Indices of the largest and of the smallest values, the most extreme first."""
-    count = min(EXTREMES, values.size)
-    largest = np.argpartition(values, -count)[-count:]
-    smallest = np.argpartition(values, count - 1)[:count]
-    return np.concatenate([largest[np.argsort(-values[largest])], smallest[np.argsort(values[smallest])]])
+    """Indices of the largest and of the smallest values, the most extreme first; NaN counts as 0."""
+    largest: list[np.ndarray] = []
+    smallest: list[np.ndarray] = []
+    for start in range(0, values.size, _RUN):
+        run = np.nan_to_num(values[start : start + _RUN].astype(np.float64))
+        count = min(EXTREMES, run.size)
+        largest.append(start + np.argpartition(run, -count)[-count:])
+        smallest.append(start + np.argpartition(run, count - 1)[:count])
+    let_go(values)
+    high, low = np.concatenate(largest), np.concatenate(smallest)
+    high_values, low_values = (np.nan_to_num(values[indices].astype(np.float64)) for indices in (high, low))
+    return np.concatenate([high[np.argsort(-high_values)][:EXTREMES], low[np.argsort(low_values)][:EXTREMES]])
 
 
 def _on_grid(

@@ -12,7 +12,7 @@ from .. import __version__
 from ..targets import PackedTexture, Problem
 from .brdf_error import BrdfErrors, Found
 from .diagnosis import Fault
-from .maps import Statistics, finite_or_none
+from .statistics import Statistics, finite_or_none
 from .tolerances import Tolerance
 
 SCHEMA_VERSION = 1
@@ -57,11 +57,13 @@ class TextureVerdict:
         packed: the packed texture.
         measures: statistics and limit of each measure, the one of the picture first.
         reading: what the shader reads it as the inverse of, as a formula.
+        non_finite: texels of which the shader sees a NaN or an infinity.
     """
 
     packed: PackedTexture
     measures: tuple[tuple[Statistics, Check], ...]
     reading: str
+    non_finite: int
 
     @property
     def within(self) -> bool:
@@ -85,6 +87,7 @@ class TextureVerdict:
             "source": packed.source,
             "defaulted": packed.defaulted,
             **asdict(packed.counts),
+            "non_finite": self.non_finite,
             **measures[0],
             "within": self.within,
             "measures": measures,

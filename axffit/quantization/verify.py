@@ -93,7 +93,7 @@ def verify_packed(
     foreign = module is not packer
     defaults = {t.axf_name: packer.default_values(t.name) for t in packed.textures.values() if t.defaulted}
     packed = mismatch.read_by(material, packed, module.NAME) if foreign else packed
-    tolerances = tolerances or default_tolerances()
+    tolerances = (tolerances or default_tolerances()).for_target(module.NAME)
     report = progress or (lambda stage, fraction: None)
     broken = module.validate(packed)
     problems = [*(mismatch.reader_problems(broken, packed) if foreign else broken), *_lost(material, packed)]
@@ -103,7 +103,8 @@ def verify_packed(
     for number, texture in enumerate(readable):
         report("measuring map errors", number / len(readable))
         original = _original(material, texture, defaults)
-        errors[texture.name] = map_errors(original, texture, module.reading(texture, packed.values))
+        apart = tolerances.levels_apart(texture.axf_name)
+        errors[texture.name] = map_errors(original, texture, module.reading(texture, packed.values), apart)
     report("measuring map errors", 1.0)
     textures = tuple(
         _texture_verdict(t, module.reading(t, packed.values).formula, errors[t.name], tolerances) for t in readable
@@ -179,11 +180,12 @@ def _original(material: AxfMaterial, texture: PackedTexture, defaults: Mapping[s
 def _texture_verdict(packed: PackedTexture, reading: str, errors: MapErrors, tolerances: Tolerances) -> TextureVerdict:
     measures = []
     for statistics in errors.statistics:
-        name = f"textures.{packed.axf_name}.{statistics.measure}"
+        level = "" if statistics.level is None else f".level.{statistics.level}"
+        name = f"textures.{packed.axf_name}.{statistics.measure}{level}"
         tolerance = tolerances.get(name)
         value = statistics.value(tolerance.statistic if tolerance is not None else "max")
         measures.append((statistics, Check(name, value, tolerance)))
-    return TextureVerdict(packed, tuple(measures), reading)
+    return TextureVerdict(packed, tuple(measures), reading, errors.non_finite)
 
 
 def _table_faults(material: AxfMaterial, packed: PackedMaterial, module: ModuleType) -> Iterator[Fault]:

@@ -18,7 +18,7 @@ from ..textures import Counts, NumberFormat, format_named
 from ..textures.codec import check_rounding
 from ..textures.rerange import Chain, Identity, Reranging, Scale, texels
 from .base import PackedMaterial, PackedTexture, Problem
-from .encoding import blocks, decode_level, encode_level, spread
+from .encoding import blocks, decode_level, decode_rows, encode_level, spread
 from .rerangings import ChannelScale
 from .table import SLICE_TABLE, Absent, FormatChoice, Scaling, Tables, TextureRow
 from .validate import problems
@@ -316,4 +316,4 @@ def _texture(
 
 
 def _floored(codes: np.ndarray, transform: Reranging, form: NumberFormat, channels: int) -> int:
-    return texels(transform.inverse(form.decode(codes)[..., :channels]) < ROUGHNESS_FLOOR)
+    return sum(texels(decode_rows(rows, transform, form, channels) < ROUGHNESS_FLOOR) for _, rows in blocks(codes))
