@@ -20,6 +20,7 @@ from axffit.fitting.models import Coat as Coat
 from axffit.fitting.models import LambertModel as LambertModel
 from axffit.fitting.models import SingleLobeModel as SingleLobeModel
 from axffit.fitting.models import parse_model as parse_model
+from axffit.fitting.parameters import ParameterEstimate as ParameterEstimate
 from axffit.fitting.residuals import RESIDUALS as RESIDUALS
 from axffit.fitting.residuals import CosineWeighted as CosineWeighted
 from axffit.fitting.residuals import CubeRoot as CubeRoot
@@ -27,4 +28,4 @@ from axffit.fitting.residuals import LogCosine as LogCosine
 from axffit.fitting.residuals import NoiseWeighted as NoiseWeighted
 from axffit.fitting.result import FitResult as FitResult
 from axffit.fitting.result import Outcome as Outcome
-from axffit.fitting.result import ParameterEstimate as ParameterEstimate
+from axffit.fitting.studies import Study as Study

@@ -10,7 +10,7 @@ f fixes chi and b up to a factor: the data-weighted mean luminance of chi is 1.
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -19,24 +19,20 @@ from axffit.brdf import AbstractBRDF, ColorTable
 from axffit.fitting.bijections import forward_tree, start_tree
 from axffit.fitting.estimates import Estimates, estimates
 from axffit.fitting.joint import JointProblem, JointResult
+from axffit.fitting.lobes import Lobes, canonical
 from axffit.fitting.metrics import Metrics, evaluate_samples, metrics_of
 from axffit.fitting.models import CarPaintModel, Shapes
+from axffit.fitting.parameters import ParameterEstimate
 from axffit.fitting.residuals import AbstractResidual
-from axffit.fitting.result import Outcome, ParameterEstimate, Stage
-from axffit.fitting.separable import SeparableProblem, Solution, Weights, best_weights, make_problem
+from axffit.fitting.result import Outcome, Stage
+from axffit.fitting.separable import SeparableProblem, Solution, best_weights, make_problem
 from axffit.fitting.starts import minimize
+from axffit.fitting.studies import Study, make_study
 from axffit.fitting.table import TableDesign
 from axffit.frames import directions_to_half_difference, refract
 from axffit.measured import REC709_LUMINANCE, Measurements
 
 Progress = Callable[[str, float], None]
-
-
-class Lobes(NamedTuple):
-    """A brightness b: spreads (K,) and weights (1 + 2 K, 1)."""
-
-    shapes: Shapes
-    weights: Weights
 
 
 def luminance(measurements: Measurements) -> Measurements:
@@ -47,15 +43,6 @@ def luminance(measurements: Measurements) -> Measurements:
         values=(measurements.values @ REC709_LUMINANCE)[:, None],
         sigma=None if sigma is None else np.sqrt(sigma**2 @ REC709_LUMINANCE**2)[:, None],
     )
-
-
-def canonical(lobes: Lobes) -> Lobes:
-    """The same brightness with lobes in the order of their spreads, lobes without weight last."""
-    spreads, weights = np.asarray(lobes.shapes.roughness), np.asarray(lobes.weights)
-    p, q = weights[1::2], weights[2::2]
-    order = np.lexsort((spreads, (p + q)[:, 0] == 0))
-    pairs = np.stack([p[order], q[order]], axis=1).reshape(-1, weights.shape[1])
-    return Lobes(Shapes(jnp.asarray(spreads[order])), jnp.asarray(np.concatenate([weights[:1], pairs])))
 
 
 def angles_below_coat(model: CarPaintModel, measurements: Measurements) -> tuple[np.ndarray, np.ndarray]:
@@ -93,6 +80,7 @@ def fit_car_paint(
     size: int,
     smoothing: float,
     max_steps: int,
+    asked: Study,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
     """All stages; ``size`` 0 stops after the first, with one color for the whole table.
@@ -106,6 +94,7 @@ def fit_car_paint(
     color, scaled = _one_color(problem, lobes)
     plain = _paint(model, scaled, color.reshape(1, 1, 3))
     first_estimates = estimates(gray_problem, lobes.shapes, lobes.weights)
+    studied = make_study(asked, gray_problem, lobes.shapes, lobes.weights, first_estimates, progress)
     stage = Stage(
         "lobes on luminance, one color",
         _metrics(plain, measurements),
@@ -116,7 +105,7 @@ def fit_car_paint(
     )
     if size == 0 or not np.isfinite(first.cost):
         outcome = _outcome(converged=bool(first.converged), cost=float(first.cost))
-        return {"model": plain, "outcome": outcome, "stages": (stage,), **first_estimates._asdict()}
+        return {"model": plain, "outcome": outcome, "stages": (stage,), **first_estimates.fields(), **studied}
     joint = _joint_problem(model, problem, measurements, size, smoothing)
     raw = np.asarray(start_tree(model.bounds(), scaled.shapes).roughness)
     start = (raw, np.asarray(scaled.weights)[:, 0], np.repeat(color[None, :], size * size, axis=0))
@@ -139,7 +128,8 @@ def fit_car_paint(
         "model": brdf,
         "outcome": _outcome(converged=together.converged, cost=together.state.cost),
         "stages": tuple(stages),
-        **found._asdict(),
+        **found.fields(),
+        **studied,
         "measured_texels": joint.design.measured.reshape(size, size),
         "notes": _notes(joint.design),
     }

@@ -1,11 +1,11 @@
 """From a covariance to named parameters with an honest status each."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from axffit.fitting.models import ROUGHNESS_BOUNDS, AbstractFitModel, CarPaintModel, Shapes
-from axffit.fitting.result import ParameterEstimate, Status
+from axffit.fitting.parameters import ParameterEstimate, Status
 from axffit.fitting.separable import SeparableProblem, Weights
 from axffit.fitting.uncertainty import Covariance, parameter_covariance
 
@@ -19,10 +19,19 @@ def _channel_name(name: str, channel: int, count: int) -> str:
 
 
 class Estimates(NamedTuple):
-    """Parameters and the correlations (P, P) of their estimates; NaN where one of a pair has no standard error."""
+    """Parameters and how their estimates scatter together.
+
+    ``correlations`` (P, P) of the estimates, NaN where one of a pair has no standard error; ``inflation`` (P,) their
+    variance over that of (J^T J)^-1, 1 where the noise is known, NaN without a standard error.
+    """
 
     parameters: tuple[ParameterEstimate, ...]
     correlations: np.ndarray
+    inflation: np.ndarray
+
+    def fields(self) -> dict[str, Any]:
+        """The fields of :class:`axffit.fitting.FitResult` that they fill."""
+        return {"parameters": self.parameters, "correlations": self.correlations}
 
 
 class _Estimator:
@@ -82,8 +91,10 @@ class _Estimator:
         gradients = np.stack(self.gradients)
         joint = gradients @ self.covariance.matrix @ gradients.T
         errors = np.sqrt(np.diagonal(joint))
+        plain = np.einsum("pi,ij,pj->p", gradients, self.covariance.plain, gradients)
         with np.errstate(invalid="ignore", divide="ignore"):
-            return Estimates(tuple(self.found), np.clip(joint / np.outer(errors, errors), -1.0, 1.0))
+            correlations = np.clip(joint / np.outer(errors, errors), -1.0, 1.0)
+            return Estimates(tuple(self.found), correlations, errors**2 / plain)
 
 
 def estimates(

@@ -18,6 +18,7 @@ from axffit.fitting.residuals import AbstractResidual, LogCosine, NoiseWeighted
 from axffit.fitting.result import FitResult, Outcome
 from axffit.fitting.separable import SeparableProblem, Solution, cost_at, make_problem
 from axffit.fitting.starts import minimize
+from axffit.fitting.studies import Study, make_study
 from axffit.fitting.uncertainty import NOISE_KIND, SANDWICH_KIND
 from axffit.measured import Measurements, RGBChannels
 
@@ -35,6 +36,7 @@ def fit(
     smoothing: float = 1e-3,
     polar_limit: float = POLAR_LIMIT,
     max_steps: int = 100,
+    study: Study | None = None,
     progress: Progress | None = None,
 ) -> FitResult:
     """Find the parameters of a model that explain samples; no start, no seed, the same answer every time.
@@ -49,6 +51,7 @@ def fit(
         smoothing: weight of the squared differences between neighboring texels, relative to the data's.
         polar_limit: samples with a larger polar angle (radians) of either direction are left out.
         max_steps: of each solver.
+        study: profiles and bootstrap that are wanted besides the standard errors.
         progress: called with what is being done and how much of it is (0 to 1).
 
     Returns:
@@ -56,7 +59,8 @@ def fit(
         named outcome without numbers, not in an exception.
 
     Raises:
-        InputError: the model is unknown, the samples are not RGB, or the residual needs a noise that they do not state.
+        InputError: the model is unknown, the samples are not RGB, the residual needs a noise that they do not state, or
+            the study names a parameter that the model has not.
     """
     fit_model = parse_model(model) if isinstance(model, str) else model
     if not isinstance(measurements.channels, RGBChannels):
@@ -82,10 +86,11 @@ def fit(
                 size=color_table,
                 smoothing=smoothing,
                 max_steps=max_steps,
+                asked=study or Study(),
                 progress=progress,
             )
         else:
-            found = _fit_colored(fit_model, used, residual, max_steps, progress)
+            found = _fit_colored(fit_model, used, residual, max_steps, study or Study(), progress)
         brdf = found["model"]
         metrics = metrics_of(used, evaluate_samples(brdf, used), polar_limit=math.pi / 2)
     if progress is not None:
@@ -136,6 +141,7 @@ def _fit_colored(
     used: Measurements,
     residual: AbstractResidual,
     max_steps: int,
+    asked: Study,
     progress: Progress | None,
 ) -> dict[str, Any]:
     """Fit of a model with a color a term: scan, polish of the best starts, F0 tried on its bounds."""
@@ -144,10 +150,12 @@ def _fit_colored(
     outcome = Outcome.CONVERGED if bool(best.converged) else Outcome.STEP_LIMIT
     if not math.isfinite(float(best.cost)):
         outcome = Outcome.NOT_FINITE
+    found = estimates(problem, best.shapes, best.weights)
     return {
         "model": model.assemble(best.shapes, best.weights),
         "outcome": outcome,
-        **estimates(problem, best.shapes, best.weights)._asdict(),
+        **found.fields(),
+        **make_study(asked, problem, best.shapes, best.weights, found, progress),
     }
 
 

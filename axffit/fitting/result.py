@@ -6,22 +6,19 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 import axffit
 from axffit.brdf import AbstractBRDF
+from axffit.fitting.bootstrap import Bootstrap
 from axffit.fitting.limits import Limit
 from axffit.fitting.metrics import Metrics
+from axffit.fitting.parameters import ParameterEstimate
+from axffit.fitting.profiles import Profile
 
 SCHEMA_VERSION = 1
-_NORMAL_95 = 1.959963984540054
-
-Status = Literal["identified", "conditional", "at bound", "not identified"]
-"""``identified``: the data determine it, the interval is marginal over all other parameters. ``conditional``: the
-interval holds for the given color table, or for another parameter staying at its bound. ``at bound`` and ``not
-identified`` have no interval: a finite one would be a lie."""
 
 
 class Outcome(enum.Enum):
@@ -43,40 +40,6 @@ class Outcome(enum.Enum):
     def ok(self) -> bool:
         """Whether the fit converged."""
         return self is Outcome.CONVERGED
-
-
-@dataclass(frozen=True)
-class ParameterEstimate:
-    """One parameter of a fitted model.
-
-    ``standard_error`` is None unless ``status`` is identified or conditional. ``low`` and ``high`` are the legal range.
-    """
-
-    name: str
-    value: float
-    standard_error: float | None
-    status: Status
-    low: float = 0.0
-    high: float = math.inf
-
-    @property
-    def interval(self) -> tuple[float, float] | None:
-        """95 % interval, or None without a standard error."""
-        if self.standard_error is None:
-            return None
-        half = _NORMAL_95 * self.standard_error
-        return self.value - half, self.value + half
-
-    def to_json(self) -> dict[str, Any]:
-        """The fields by name; an unbounded range is null."""
-        return {
-            "name": self.name,
-            "value": self.value,
-            "standard_error": self.standard_error,
-            "status": self.status,
-            "low": self.low,
-            "high": self.high if math.isfinite(self.high) else None,
-        }
 
 
 @dataclass(frozen=True)
@@ -112,6 +75,8 @@ class FitResult:
         outcome: how the fit ended.
         parameters: of ``model``, lobes in the order of their spreads, lobes without weight last.
         correlations: (P, P) of the estimates of ``parameters``, NaN where one of a pair has no standard error; or None.
+        profiles: of the parameters that were asked for; of a car paint for the lobes of its first stage.
+        bootstrap: on request, of the same; or None.
         metrics: of ``model`` on the samples, or None.
         limits: the best that whole classes of models can do on these samples.
         stages: of a fit in several; the first one's parameters hold for lobes without a free color table.
@@ -127,6 +92,8 @@ class FitResult:
     outcome: Outcome
     parameters: tuple[ParameterEstimate, ...] = ()
     correlations: np.ndarray | None = None
+    profiles: tuple[Profile, ...] = ()
+    bootstrap: Bootstrap | None = None
     metrics: Metrics | None = None
     limits: tuple[Limit, ...] = ()
     stages: tuple[Stage, ...] = ()
@@ -164,6 +131,8 @@ class FitResult:
             "limits": [_limit_json(limit, self.metrics) for limit in self.limits],
             "parameters": [parameter.to_json() for parameter in self.parameters],
             "correlations": None if self.correlations is None else _correlations_json(self.correlations),
+            "profiles": [profile.to_json() for profile in self.profiles],
+            "bootstrap": None if self.bootstrap is None else self.bootstrap.to_json(),
             "stages": [stage.to_json() for stage in self.stages],
             "color_table": None if self.measured_texels is None else _table_json(self.measured_texels),
             "notes": list(self.notes),

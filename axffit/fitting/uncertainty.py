@@ -32,10 +32,12 @@ _NULL_SHARE = 1e-3
 class Covariance(NamedTuple):
     """Covariance (P, P) of a vector of parameters; rows and columns of parameters that are not free are 0.
 
-    ``free`` (P,): took part. ``determined`` (P,): lies in no direction that the data leave undetermined.
+    ``plain``: (J^T J)^-1, which is ``matrix`` where the noise is known. ``free`` (P,): took part. ``determined`` (P,):
+    lies in no direction that the data leave undetermined.
     """
 
     matrix: np.ndarray
+    plain: np.ndarray
     free: np.ndarray
     determined: np.ndarray
 
@@ -100,13 +102,13 @@ def covariance(r: np.ndarray, jacobian: np.ndarray, free: np.ndarray, *, knows_n
     j = j / scale
     values, vectors = np.linalg.eigh(j.T @ j)
     kept = values > _NULL * max(values.max(initial=0.0), 1e-300)
-    inverse = (vectors[:, kept] / values[kept]) @ vectors[:, kept].T
+    plain = inverse = (vectors[:, kept] / values[kept]) @ vectors[:, kept].T
     if not knows_noise:
         leverage = np.minimum(np.einsum("np,np->n", j @ inverse, j), 1.0 - 1e-6)
         scores = (j * (r.reshape(-1) / (1.0 - leverage))[:, None]).reshape(n, channels, -1).sum(axis=1)
         inverse = inverse @ (scores.T @ scores) @ inverse
-    matrix = np.zeros((count, count))
-    matrix[np.ix_(free, free)] = inverse / np.outer(scale, scale)
+    matrices = np.zeros((2, count, count))
+    matrices[np.ix_([0, 1], free, free)] = np.stack([inverse, plain]) / np.outer(scale, scale)
     determined = free.copy()
     determined[free] = np.sum(vectors[:, ~kept] ** 2, axis=1) < _NULL_SHARE
-    return Covariance(matrix, free, determined)
+    return Covariance(matrices[0], matrices[1], free, determined)
