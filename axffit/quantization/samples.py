@@ -61,17 +61,17 @@ def _extremes(material: AxfMaterial, errors: Mapping[str, MapErrors], grid: tupl
 
 def _ends(values: np.ndarray) -> np.ndarray:
     """Indices of the largest and of the smallest values, the most extreme first; NaN counts as 0."""
-    largest: list[np.ndarray] = []
-    smallest: list[np.ndarray] = []
+    found: list[tuple[np.ndarray, np.ndarray]] = []
     for start in range(0, values.size, _RUN):
         run = np.nan_to_num(values[start : start + _RUN].astype(np.float64))
         count = min(EXTREMES, run.size)
-        largest.append(start + np.argpartition(run, -count)[-count:])
-        smallest.append(start + np.argpartition(run, count - 1)[:count])
+        ends = np.concatenate([np.argpartition(run, -count)[-count:], np.argpartition(run, count - 1)[:count]])
+        found.append((start + ends, run[ends]))
     let_go(values)
-    high, low = np.concatenate(largest), np.concatenate(smallest)
-    high_values, low_values = (np.nan_to_num(values[indices].astype(np.float64)) for indices in (high, low))
-    return np.concatenate([high[np.argsort(-high_values)][:EXTREMES], low[np.argsort(low_values)][:EXTREMES]])
+    indices, numbers = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    upward = np.argsort(numbers, kind="stable")
+    count = min(EXTREMES, values.size)
+    return np.concatenate([indices[upward[-count:][::-1]], indices[upward[:count]]])
 
 
 def _on_grid(

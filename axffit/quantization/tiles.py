@@ -12,6 +12,7 @@ import numpy as np
 
 from ..axf import AxfMaterial, AxfTexture
 from ..axf.maps import DEFAULTS, SPATIAL_KEYS, grid_shape, nearest, reference_map, stretch, texel_centers
+from ..axf.scratch import let_go
 from ..targets import PackedMaterial, PackedTexture, target_named
 from ..targets.encoding import decode_rows
 
@@ -50,11 +51,13 @@ def tiles(material: AxfMaterial, packed: PackedMaterial, texels: int = TILE_TEXE
     reference = reference_map(material)
     before = {key: _axf_side(material, key, reference) for key in SPATIAL_KEYS}
     after = {key: _packed_side(packed, key, reference) for key in SPATIAL_KEYS}
+    held = [level for texture in (*material.textures.values(), *packed.textures.values()) for level in texture.levels]
     for start in range(0, height * width, texels):
         run = slice(start, min(start + texels, height * width))
         rows, columns = np.divmod(np.arange(run.start, run.stop), width)
         uv = texel_centers(material, rows, columns)
         yield Tile(start, uv, *({key: side(uv, run) for key, side in sides.items()} for sides in (before, after)))
+        let_go(*held)
 
 
 def of_texels(material: AxfMaterial, uv: np.ndarray) -> AxfMaterial:
@@ -69,6 +72,7 @@ def of_texels(material: AxfMaterial, uv: np.ndarray) -> AxfMaterial:
         if texture is not None and not texture.is_constant:
             rows, columns = nearest(texture.data.shape, uv * stretch(texture, reference))
             picked = np.asarray(texture.data[rows, columns])[None]
+            let_go(texture.data)
             textures[key] = AxfTexture((picked,), float(len(uv)), 1.0, texture.source)
     return replace(material, textures=textures)
 
@@ -87,6 +91,7 @@ def of_packed_texels(packed: PackedMaterial, material: AxfMaterial, uv: np.ndarr
         if texture.axf_name in SPATIAL_KEYS and not _is_constant(texture):
             rows, columns = nearest(texture.levels[0].shape, uv * _stretch(texture, reference))
             codes = np.asarray(texture.levels[0][rows, columns])[None]
+            let_go(texture.levels[0])
             textures[name] = replace(texture, levels=(codes,), width_mm=float(len(uv)), height_mm=1.0)
     return replace(packed, textures=textures)
 
