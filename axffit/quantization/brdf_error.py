@@ -1,44 +1,37 @@
-"""How far quantized textures change the BRDF: found on a sample of texels and directions, not yet a bound.
+"""How far quantized textures change the BRDF: the largest errors found at sampled texels, by gradient ascent.
 
 Two definitions, each over views and lights at least 1° above the horizon, f the original's value, f' the packed one's:
 
     (b)  max |f' - f| i_z / max_i (f i_z), the peak taken per view and over the three channels
     (c)  max |log f' - log f| where f i_z >= 1e-3 of that view's peak
 
-Plain relative error over the whole hemisphere means nothing for Gaussian lobes (far out it reaches any value), and one
-peak for all views is ill-defined where f i_z grows without bound at grazing. Two things are reported apart, as the
-strip: lights and views within 1° of a tilted normal's horizon, where f jumps to 0 somewhere inside the normal's error,
-and views whose mirror direction lies there or below, which see only a lobe's tail and no peak to compare with.
+Horizon and cosines are those of the original's outermost normal (`local`). Plain relative error over the whole
+hemisphere means nothing for Gaussian lobes (far out it reaches any value), and one peak for all views is ill-defined
+where f i_z grows without bound at grazing. Reported apart, as the strip, is (b) in what is left: lights and views
+nearer to the horizon than 1°, where f jumps to 0 somewhere inside the normal's error; and under a coat directions that
+enter within 1° of the base's horizon or below it, and views whose mirror direction does so, which see only a tail.
+
+What is found is a lower bound of the texels' largest error; `material_bounds` is the upper one, of all texels.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..axf import AxfMaterial, MaterialKind, to_brdf
-from ..axf.maps import gather
-from ..axf.ranges import ROUGHNESS_FLOOR
-from ..brdf import AbstractBRDF, ClearCoat
-from ..frames import dot, refract
-from ..numerics import normalize
-from .directions import LOWEST, VIEW_POLAR, LobeFrames, even_lights, half_vectors, lobe_lights, views
+from ..axf import AxfMaterial
+from .ascent import ascend
+from .definitions import BATCH, KINDS, Pairs, errors_at, lights_of, normals_of
+from .directions import VIEW_POLAR, even_lights, views
+from .local import local_texels
 from .measures import COLORS
 from .statistics import finite_or_none
 
-RINGS, SPOKES, EVEN_LIGHTS = 24, 12, 60
-RELEVANT = 1e-3
-"""Definition (c) looks where f i_z is at least this part of the view's peak."""
-
-BATCH = 32
-"""Texels evaluated at once."""
-
-Normals = tuple[jax.Array, jax.Array, jax.Array]
-"""Base normals (n, 3), coat normals (n, 3), indices of refraction (n,)."""
+EVEN_LIGHTS = 60
+STARTS = 512
+"""Ascents for each definition."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +41,8 @@ class Found:
     Attributes:
         value: the error; infinite where f' is 0 and f is not.
         uv: texture coordinates of the texel.
-        wi: direction to the light.
-        wo: direction to the viewer.
+        wi: direction to the light, in the frame of the texel's outermost normal.
+        wo: direction to the viewer, in the same frame.
     """
 
     value: float
@@ -70,10 +63,11 @@ class BrdfErrors:
     Attributes:
         peak_relative: definition (b).
         log_ratio: definition (c).
-        strip: definition (b) within 1° of a shading normal's horizon, and in views whose mirror direction is there.
+        strip: definition (b) near the horizon, see above.
         texels: texels sampled.
         views: views of each.
         lights: lights of each view.
+        ascents: ascents for each of the first two, from the worst of these.
     """
 
     peak_relative: Found
@@ -82,6 +76,14 @@ class BrdfErrors:
     texels: int
     views: int
     lights: int
+    ascents: int
+
+    def placed(self, uv: np.ndarray) -> "BrdfErrors":
+        """The same with texture coordinates (n, 2) in place of `tiles.centers` (n)."""
+        places = [tuple(float(x) for x in row) for row in uv]
+        found = {name: getattr(self, name) for name in (*KINDS, "strip")}
+        moved = {name: replace(each, uv=places[int(each.uv[0] * len(uv))]) for name, each in found.items()}
+        return replace(self, **moved)
 
 
 def brdf_errors(
@@ -100,35 +102,47 @@ def brdf_errors(
     Raises:
         InputError: a model that axffit does not evaluate.
     """
-    before = without_negative_colors(before)
-    models = [_texels(material, uv) for material in (before, after)]
-    frames = [_lobe_frames(material, uv) for material in (before, after)]
+    texels = local_texels(without_negative_colors(before), after, uv)
     wo, even = views(len(uv)), even_lights(EVEN_LIGHTS)
-    worst: dict[str, Found] = {}
+    per_view = max(4, -(-STARTS // (len(uv) * len(VIEW_POLAR))))
+    worst: dict[str, Pairs] = {}
+    starts: dict[str, list[Pairs]] = {kind: [] for kind in KINDS}
     lights = 0
     for start in range(0, len(uv), BATCH):
         part = np.arange(start, min(start + BATCH, len(uv)))
-        wi = _lights(frames[0], wo, even, part)
-        lights = wi.shape[2]
         # Every batch has the same shape, so that one compilation serves all.
         full = np.resize(part, BATCH)
-        errors = _errors(
-            (models[0].take(full), models[1].take(full)),
-            (_normals(frames[0], full), _normals(frames[1], full)),
-            wi,
-            jnp.asarray(wo[full]),
-        )
+        wi = lights_of(texels.frames, full, wo[full], even)
+        lights = wi.shape[2]
+        normals, viewers = normals_of(texels.frames, full), jnp.asarray(wo[full])
+        errors, brightest = errors_at(texels.before.take(full), texels.after.take(full), normals, wi, viewers)
         for name, values in errors.items():
-            values = np.asarray(values)[: len(part)]
-            texel, view, light = (int(i) for i in np.unravel_index(np.argmax(values), values.shape))
-            value = float(values[texel, view, light])
-            if name not in worst or value > worst[name].value:
-                direction = tuple(float(x) for x in wi[texel, view, light])
-                viewer = tuple(float(x) for x in wo[part[texel], view])
-                place = tuple(float(x) for x in uv[part[texel]])
-                worst[name] = Found(value, place, direction, viewer)  # pyright: ignore[reportArgumentType]
-        progress((part[-1] + 1) / len(uv))
-    return BrdfErrors(**worst, texels=len(uv), views=len(VIEW_POLAR), lights=lights)
+            pairs = _worst(np.asarray(values)[: len(part)], part, np.asarray(wi), wo, np.asarray(brightest), per_view)
+            starts.get(name, []).append(pairs)
+            worst[name] = Pairs.concatenate([worst[name], pairs]).largest(1) if name in worst else pairs.largest(1)
+        progress(0.7 * (part[-1] + 1) / len(uv))
+    if all(0 < worst[kind].error[0] < np.inf for kind in KINDS):
+        best = {kind: Pairs.concatenate(candidates).largest(STARTS) for kind, candidates in starts.items()}
+        worst |= {kind: pairs.largest(1) for kind, pairs in ascend(texels, best, even).items()}
+    progress(1.0)
+    found = {name: _found(pairs, uv) for name, pairs in worst.items()}
+    return BrdfErrors(**found, texels=len(uv), views=len(VIEW_POLAR), lights=lights, ascents=STARTS)
+
+
+def _worst(
+    errors: np.ndarray, texels: np.ndarray, wi: np.ndarray, wo: np.ndarray, brightest: np.ndarray, per_view: int
+) -> Pairs:
+    """The lights of the largest errors (n, views, lights) of each view."""
+    light = np.argpartition(-errors, per_view, axis=-1)[..., :per_view]
+    texel, view, _ = np.indices(light.shape)
+    texel, view, light = texel.reshape(-1), view.reshape(-1), light.reshape(-1)
+    values = errors[texel, view, light]
+    return Pairs(texels[texel], wi[texel, view, light], wo[texels[texel], view], brightest[texel, view], values)
+
+
+def _found(pairs: Pairs, uv: np.ndarray) -> Found:
+    place, wi, wo = (tuple(float(x) for x in row) for row in (uv[pairs.texel[0]], pairs.wi[0], pairs.wo[0]))
+    return Found(float(pairs.error[0]), place, wi, wo)  # pyright: ignore[reportArgumentType]
 
 
 def without_negative_colors(material: AxfMaterial) -> AxfMaterial:
@@ -142,120 +156,3 @@ def without_negative_colors(material: AxfMaterial) -> AxfMaterial:
         if texture is not None and any(float(level.min()) < 0 for level in texture.levels):
             textures[key] = replace(texture, levels=tuple(np.maximum(level, 0) for level in texture.levels))
     return replace(material, textures=textures)
-
-
-class Texels(eqx.Module):
-    """BRDFs that differ between texels in some array leaves and share the others.
-
-    Attributes:
-        own: the BRDF with only the leaves that have the texels' axis.
-        shared: the BRDF with all the others (a car paint's lobes, color table and flakes).
-    """
-
-    own: AbstractBRDF
-    shared: AbstractBRDF
-
-    def take(self, part: np.ndarray) -> "Texels":
-        """Some of the texels."""
-        return Texels(jax.tree.map(lambda leaf: leaf[part], self.own), self.shared)
-
-    def reflect(self, wi: jax.Array, wo: jax.Array) -> jax.Array:
-        """f i_z for directions (n, ..., 3), each texel its own."""
-
-        def single(own: AbstractBRDF, wi: jax.Array, wo: jax.Array) -> jax.Array:
-            return eqx.combine(own, self.shared).evaluate(wi, wo) * wi[..., 2:]
-
-        return eqx.filter_vmap(single)(self.own, wi, wo)
-
-
-def _texels(material: AxfMaterial, uv: np.ndarray) -> Texels:
-    """The BRDFs at texture coordinates; of a car paint only the coat's normal belongs to the texel."""
-    model = to_brdf(material, uv=uv)
-    if material.kind is MaterialKind.SVBRDF:
-        return Texels(*eqx.partition(model, eqx.is_array))
-    assert isinstance(model, ClearCoat)
-    normals = jnp.asarray(gather(material, uv)["clearcoatnormal"])
-    model = eqx.tree_at(lambda m: m.normal, model, normals)
-    own = eqx.tree_at(lambda m: m.normal, jax.tree.map(lambda leaf: False, model), replace=True)
-    return Texels(*eqx.partition(model, own))
-
-
-def _lobe_frames(material: AxfMaterial, uv: np.ndarray) -> LobeFrames:
-    """Normals, rotations and roughness at the texels, in float64."""
-    maps = {key: value.astype(np.float64) for key, value in gather(material, uv).items()}
-    if material.kind is MaterialKind.CAR_PAINT:
-        spreads = np.atleast_1d(material.properties.get("CT_spreads", np.ones(1))).astype(np.float64)
-        roughness = np.broadcast_to(spreads[:, None], (len(uv), len(spreads), 2))
-        normal, rotation = np.broadcast_to([0.0, 0.0, 1.0], (len(uv), 3)), np.zeros(len(uv))
-        ior = np.full(len(uv), float(material.properties.get("IOR", 1.5)))
-    else:
-        lobe = maps["specularlobe"]
-        if material.specular_model in ("BlinnPhong", "Phong"):
-            # The map holds log2 of an exponent n; a Gaussian of roughness sqrt(2 / (n + 2)) is about as wide.
-            lobe = np.sqrt(2.0 / (np.exp2(lobe) + 2.0))
-        roughness = np.broadcast_to(np.maximum(lobe, ROUGHNESS_FLOOR), (len(uv), 2))[:, None]
-        normal, rotation = maps["normal"], maps["anisrotation"][..., 0] * material.anisotropic
-        ior = maps["clearcoatior"][..., 0]
-    bends = material.has_clear_coat and material.coat_refracts
-    ior = np.where(bends & (ior > 0) & np.isfinite(ior), ior, 1.5 if bends else 1.0)
-    return LobeFrames(normal, rotation, np.minimum(roughness, 1.0), maps["clearcoatnormal"], ior)
-
-
-def _lights(frames: LobeFrames, wo: np.ndarray, even: np.ndarray, part: np.ndarray) -> jax.Array:
-    """Lights (BATCH, views, lights, 3) of a batch of texels."""
-    full = np.resize(part, BATCH)
-    h = half_vectors(frames.roughness[full], RINGS, SPOKES)
-    crowded = lobe_lights(
-        *(jnp.asarray(x) for x in (wo[full], h)),
-        *(jnp.asarray(x[full]) for x in (frames.normal, frames.rotation, frames.coat_normal, frames.coat_ior)),
-    )
-    spread = jnp.broadcast_to(jnp.asarray(even), (*crowded.shape[:2], *even.shape))
-    return jnp.concatenate([crowded, spread], axis=2)
-
-
-def _normals(frames: LobeFrames, part: np.ndarray) -> Normals:
-    """Base normal, coat normal and index of the texels, from which the strip near a horizon is known."""
-    unit = [x / np.linalg.norm(x, axis=-1, keepdims=True) for x in (frames.normal[part], frames.coat_normal[part])]
-    return jnp.asarray(unit[0]), jnp.asarray(unit[1]), jnp.asarray(frames.coat_ior[part])
-
-
-@eqx.filter_jit
-def _errors(
-    models: tuple[Texels, Texels],
-    normals: tuple[Normals, Normals],
-    wi: jax.Array,
-    wo: jax.Array,
-) -> dict[str, jax.Array]:
-    """The three errors at every (texel, view, light); 0 where a definition does not look."""
-    wo = jnp.broadcast_to(wo[:, :, None], wi.shape)
-    f, g = (model.reflect(wi, wo) for model in models)
-    high = (wi[..., 2] >= LOWEST) & (wo[..., 2] >= LOWEST)
-    clear = high
-    for vectors in normals:
-        clear = clear & (_lowest_cosine(wi, *vectors) >= LOWEST) & (_lowest_cosine(wo, *vectors) >= LOWEST)
-    # The first light is the mirror direction.
-    clear = clear & clear[:, :, :1]
-    difference = jnp.max(jnp.abs(g - f), axis=-1)
-    peak, strip_peak = (jnp.max(jnp.where(m[..., None], f, 0.0), axis=(2, 3), keepdims=True) for m in (clear, high))
-    lit = peak > 0
-    relevant = lit & (f >= RELEVANT * peak)
-    ratio = jnp.abs(jnp.log(jnp.where(relevant & (g > 0), g, 1.0)) - jnp.log(jnp.where(relevant & (g > 0), f, 1.0)))
-    ratio = jnp.max(jnp.where(relevant & ~(g > 0), jnp.inf, ratio), axis=-1)
-    return {
-        "peak_relative": _over_peak(difference, peak, clear),
-        "log_ratio": jnp.where(clear, ratio, 0.0),
-        "strip": _over_peak(difference, strip_peak, high & ~clear),
-    }
-
-
-def _over_peak(difference: jax.Array, peak: jax.Array, where: jax.Array) -> jax.Array:
-    """|f' - f| i_z over the view's peak; 0 elsewhere and where the view sees no light at all."""
-    peak = peak[..., 0]
-    return jnp.where(where & (peak > 0), difference / jnp.where(peak > 0, peak, 1.0), 0.0)
-
-
-def _lowest_cosine(v: jax.Array, base: jax.Array, coat: jax.Array, ior: jax.Array) -> jax.Array:
-    """The smaller cosine of a direction with the coat's normal, and of what enters with the base's normal."""
-    coat = jnp.broadcast_to(coat[:, None, None], v.shape)
-    inside = refract(v, coat, jnp.broadcast_to(ior[:, None, None], v.shape[:-1]))
-    return jnp.minimum(dot(v, coat), dot(normalize(inside), jnp.broadcast_to(base[:, None, None], v.shape)))

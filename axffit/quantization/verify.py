@@ -1,7 +1,6 @@
 """`verify`: pack a material for a target, read it back, and compare at every level."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
@@ -20,6 +19,7 @@ from .maps import MapErrors, map_errors
 from .measures import has_color_science
 from .samples import sample_texels
 from .slice_lut import lut_json
+from .tiles import centers, of_packed_texels, of_texels
 from .tolerances import BRDF_CHECKS, Tolerances, default_tolerances, read_tolerances
 from .verdict import BrdfVerdict, Check, LutVerdict, TextureVerdict, Verdict
 
@@ -243,17 +243,12 @@ def _brdf_verdict(
     report("measuring the reflectance", 0.0)
     by_axf = {packed.textures[name].axf_name: e for name, e in errors.items()}
     try:
-        seen = module.unpack(_without_flakes(packed))
+        uv = sample_texels(material, by_axf, TEXELS[material.kind])
+        some, seen = of_texels(material, uv), module.unpack(of_packed_texels(packed, material, uv))
         with jax.enable_x64(new_val=True):
-            uv = sample_texels(material, by_axf, TEXELS[material.kind])
-            found = brdf_errors(material, seen, uv, lambda done: report("measuring the reflectance", done))
+            found = brdf_errors(some, seen, centers(len(uv)), lambda done: report("measuring the reflectance", done))
+        found = found.placed(uv)
     except InputError as error:
         return BrdfVerdict(None, (), str(error))
     checks = tuple(Check(f"brdf.{n}", getattr(found, n).value, tolerances.get(f"brdf.{n}")) for n in BRDF_CHECKS)
     return BrdfVerdict(found, checks)
-
-
-def _without_flakes(packed: PackedMaterial) -> PackedMaterial:
-    """The flakes are no part of the BRDF of this level; leaving them out saves decoding the largest texture."""
-    textures = {name: texture for name, texture in packed.textures.items() if texture.axf_name != "btfflakes"}
-    return replace(packed, textures=textures)
