@@ -91,7 +91,7 @@ class AxfTexture:
             InputError: it is a spectrum that was not converted to RGB.
         """
         if not self.levels:
-            reason = self.unconverted or "it was made without RGB; convert it with axffit.axf.spectrum.to_rgb"
+            reason = self.unconverted or "it was made without RGB; convert it with axffit.spectrum.to_rgb"
             raise InputError(f"{self.source or '(in memory)'} is a spectrum and cannot be evaluated: {reason}")
         return self.levels[0]
 

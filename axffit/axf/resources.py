@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from .. import spectrum
 from ..errors import InputError
-from . import layout, spectrum
+from . import layout
 from .gather import Candidate
 from .hdf5 import Leaf
 from .material import AxfTexture

@@ -24,8 +24,7 @@ import h5py
 import h5py.h5o
 import numpy as np
 
-from axffit import axf
-from axffit.axf import spectrum
+from axffit import axf, spectrum
 from axffit.axf.material import same_extras
 from axffit.errors import InputError
 from tests.axf import hostile

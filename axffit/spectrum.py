@@ -1,4 +1,4 @@
-"""Spectral colors to linear RGB, as AxF means it: illuminant E, so that the perfect diffuser is (1, 1, 1).
+"""Reflectance spectra to linear RGB, as AxF means it: illuminant E, so that the perfect diffuser is (1, 1, 1).
 
 X = sum_k w_k rho(lambda_k), with weights w_k from the CIE 1931 2° observer's color matching functions (360-830 nm
 by 1 nm) and the equal-energy illuminant: w_k is the sum of (x, y, z)(lambda) times what the k-th sample contributes
@@ -16,7 +16,7 @@ import functools
 
 import numpy as np
 
-from ..errors import InputError
+from axffit.errors import InputError
 
 SAMPLES = 31
 """Samples of a spectrum that is taken as 400-700 nm by 10 nm where the file has no wavelengths."""

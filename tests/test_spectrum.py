@@ -7,8 +7,7 @@ import h5py
 import numpy as np
 import pytest
 
-from axffit import axf
-from axffit.axf import spectrum
+from axffit import axf, spectrum
 from axffit.errors import InputError
 
 suppress_warnings = pytest.importorskip("colour.utilities").suppress_warnings
