@@ -70,6 +70,11 @@ def relative_color(before: Rows, after: Rows) -> np.ndarray:
     return np.max(np.abs(after - wanted) / np.maximum(wanted, SMALLEST_COLOR), axis=-1)
 
 
+def absolute_color(before: Rows, after: Rows) -> np.ndarray:
+    """Largest |x' - x| of a texel's channels; negative x counts as 0, as in `relative_color`."""
+    return absolute(np.maximum(before, 0.0), after)
+
+
 def usable_ior(values: Rows) -> Rows:
     """Indices of refraction; 1.5, which the specification puts in its place, for what is none (NaN, not positive)."""
     return np.where(values > 0, values, DEFAULT_IOR)
@@ -113,7 +118,8 @@ _ANGLE = Measure("angle", "degrees", angle_between)
 _RELATIVE = Measure("relative", "", relative_color)
 _ABSOLUTE = Measure("absolute", "", absolute)
 _DELTA_E = Measure("delta_e_2000", "dE2000", delta_e_2000, costly=True)
-_COLOR = (_RELATIVE, _ABSOLUTE, _DELTA_E)
+_ABSOLUTE_COLOR = Measure("absolute", "", absolute_color)
+_COLOR = (_RELATIVE, _ABSOLUTE_COLOR, _DELTA_E)
 
 MEASURES: Mapping[str, tuple[Measure, ...]] = {
     "diffusecolor": _COLOR,
@@ -121,7 +127,7 @@ MEASURES: Mapping[str, tuple[Measure, ...]] = {
     "normal": (_ANGLE,),
     "specularlobe": (Measure("relative", "", relative_roughness), _ABSOLUTE),
     "opacity": (_ABSOLUTE,),
-    "fresnel": (_ABSOLUTE, _RELATIVE),
+    "fresnel": (_ABSOLUTE_COLOR, _RELATIVE),
     "anisrotation": (Measure("axis_angle", "degrees", axis_angle),),
     "height": (Measure("absolute", "mm", absolute),),
     "brdfcolors": _COLOR,

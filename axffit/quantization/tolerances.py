@@ -118,9 +118,7 @@ def _on_top_of(base: Tolerances, content: Mapping[str, Any], file: str, source: 
         raise InputError(f"{file}: schema_version is {version!r}; this axffit reads {SCHEMA_VERSION}")
     sections = content.get("targets", {})
     if not isinstance(sections, Mapping):
-        raise InputError(
-            f"{file}: targets = {sections!r} is not a table; write [targets.{next(iter(TARGETS))}.<entry>]"
-        )
+        raise InputError(f"{file}: targets = {sections!r} is not a table; write [targets.<target>.<entry>]")
     for target in sections:
         if target not in TARGETS:
             raise InputError(f"{file}: unknown target [targets.{target}]; allowed: {', '.join(TARGETS)}")
