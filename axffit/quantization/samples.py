@@ -62,11 +62,17 @@ def _extremes(material: AxfMaterial, errors: Mapping[str, MapErrors], grid: tupl
 def _ends(values: np.ndarray) -> np.ndarray:
     """Indices of the largest and of the smallest values, the most extreme first; NaN counts as 0."""
     found: list[tuple[np.ndarray, np.ndarray]] = []
+    top, bottom = -np.inf, np.inf
     for start in range(0, values.size, _RUN):
         run = np.nan_to_num(values[start : start + _RUN].astype(np.float64))
+        if run.max() <= top and run.min() >= bottom:
+            continue
         count = min(EXTREMES, run.size)
-        ends = np.concatenate([np.argpartition(run, -count)[-count:], np.argpartition(run, count - 1)[:count]])
+        ends = np.union1d(np.argpartition(run, -count)[-count:], np.argpartition(run, count - 1)[:count])
         found.append((start + ends, run[ends]))
+        extreme = np.sort(np.concatenate([numbers for _, numbers in found]))
+        if extreme.size >= 2 * EXTREMES:
+            top, bottom = extreme[-EXTREMES], extreme[EXTREMES - 1]
     let_go(values)
     indices, numbers = (np.concatenate(parts) for parts in zip(*found, strict=True))
     upward = np.argsort(numbers, kind="stable")

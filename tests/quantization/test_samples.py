@@ -3,8 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from axffit.axf import AxfTexture
+from axffit.quantization import samples
 from axffit.quantization.maps import map_errors
 from axffit.quantization.samples import sample_texels
 from axffit.targets import unity_2018
@@ -60,3 +62,21 @@ def test_maps_of_other_sizes_are_met_at_the_same_place():
     taken = cell(sample_texels(material, errors, 256), 64)
     # 15 of 30 mm in 16 texels: texel (r, c) covers two by two texels of the grid's first quarter.
     assert (2 * place.column + 1, 2 * place.row + 1) in taken
+
+
+@pytest.mark.parametrize("values", ["noise", "rising", "equal", "few", "with NaN"])
+def test_the_ends_of_a_channel_are_found_run_by_run(values, monkeypatch):
+    monkeypatch.setattr(samples, "_RUN", 7)
+    rng = np.random.default_rng(4)
+    channel = {
+        "noise": rng.normal(size=100),
+        "rising": np.arange(100.0),
+        "equal": np.ones(100),
+        "few": np.array([2.0, 1.0]),
+        "with NaN": np.where(rng.random(100) < 0.2, np.nan, rng.normal(size=100) + 0.5),
+    }[values].astype(np.float32)
+    numbers = np.nan_to_num(channel)
+    count = min(samples.EXTREMES, channel.size)
+    ends = samples._ends(channel)
+    np.testing.assert_array_equal(numbers[ends[:count]], np.sort(numbers)[::-1][:count])
+    np.testing.assert_array_equal(numbers[ends[count:]], np.sort(numbers)[:count])
