@@ -92,8 +92,8 @@ def stretch(texture: AxfTexture, reference: AxfTexture | None) -> np.ndarray:
 def nearest(shape: tuple[int, ...], uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rows and columns (...) of the texels of a map [H, W, C] that hold coordinates (..., 2) of it; maps repeat."""
     height, width = shape[:2]
-    rows = np.floor(uv[..., 1] * height).astype(np.int64) % height
-    return rows, np.floor(uv[..., 0] * width).astype(np.int64) % width
+    columns, rows = np.moveaxis(np.floor(uv * (width, height)).astype(np.int64) % (width, height), -1, 0)
+    return np.asarray(rows), np.asarray(columns)
 
 
 def _nearest(texture: AxfTexture, uv: np.ndarray) -> np.ndarray:
