@@ -20,6 +20,7 @@ from axffit.fitting.models import Coat as Coat
 from axffit.fitting.models import LambertModel as LambertModel
 from axffit.fitting.models import SingleLobeModel as SingleLobeModel
 from axffit.fitting.models import parse_model as parse_model
+from axffit.fitting.multilobe import LobesModel as LobesModel
 from axffit.fitting.parameters import ParameterEstimate as ParameterEstimate
 from axffit.fitting.residuals import RESIDUALS as RESIDUALS
 from axffit.fitting.residuals import CosineWeighted as CosineWeighted

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from axffit.errors import InputError
@@ -13,18 +12,16 @@ from axffit.fitting.carpaint import fit_car_paint
 from axffit.fitting.estimates import estimates
 from axffit.fitting.limits import Limit, half_difference_limit, reciprocal_limit
 from axffit.fitting.metrics import POLAR_LIMIT, evaluate_samples, metrics_of, within
-from axffit.fitting.models import AbstractFitModel, CarPaintModel, Shapes, parse_model
+from axffit.fitting.models import AbstractFitModel, CarPaintModel, parse_model
 from axffit.fitting.residuals import AbstractResidual, LogCosine, NoiseWeighted
 from axffit.fitting.result import FitResult, Outcome
-from axffit.fitting.separable import SeparableProblem, Solution, cost_at, make_problem
+from axffit.fitting.separable import make_problem
 from axffit.fitting.starts import minimize
 from axffit.fitting.studies import Study, make_study
 from axffit.fitting.uncertainty import NOISE_KIND, SANDWICH_KIND
 from axffit.measured import Measurements, RGBChannels
 
 Progress = Callable[[str, float], None]
-
-_F0_EDGE = 1e-3
 
 
 def fit(
@@ -146,7 +143,7 @@ def _fit_colored(
 ) -> dict[str, Any]:
     """Fit of a model with a color a term: scan, polish of the best starts, F0 tried on its bounds."""
     problem = make_problem(model, residual, used, residual.prepare(used))
-    best = _on_f0_bound(problem, minimize(problem, max_steps=max_steps, progress=progress))
+    best = minimize(problem, max_steps=max_steps, progress=progress)
     outcome = Outcome.CONVERGED if bool(best.converged) else Outcome.STEP_LIMIT
     if not math.isfinite(float(best.cost)):
         outcome = Outcome.NOT_FINITE
@@ -157,18 +154,3 @@ def _fit_colored(
         **found.fields(),
         **make_study(asked, problem, best.shapes, best.weights, found, progress),
     }
-
-
-def _on_f0_bound(problem: SeparableProblem, solution: Solution) -> Solution:
-    """The solution with F0 exactly at 0 or 1 where the solver walked there: a logistic bound is never reached."""
-    if solution.shapes.f0 is None:
-        return solution
-    f0 = float(solution.shapes.f0)
-    if _F0_EDGE < f0 < 1.0 - _F0_EDGE:
-        return solution
-    shapes = Shapes(solution.shapes.roughness, jnp.asarray(round(f0), solution.shapes.f0.dtype))
-    cost, weights = cost_at(problem, shapes)
-    # The rest of the way to the bound must not cost more than the solver's own tolerance.
-    if float(cost) > float(solution.cost) * (1.0 + 1e-5):
-        return solution
-    return Solution(shapes, weights, cost, solution.converged, solution.steps)

@@ -126,15 +126,21 @@ class CubeRoot(AbstractResidual):
 
     def transform(self, x: Values) -> Values:
         """X (x + e)^(-2/3)."""
-        return x * (x + self.floor) ** (-2.0 / 3.0)
+        return x * self._power(x)
 
     def slope(self, x: Values) -> Values:
         """(x / 3 + e) (x + e)^(-5/3)."""
-        return (x / 3.0 + self.floor) * (x + self.floor) ** (-5.0 / 3.0)
+        return (x / 3.0 + self.floor) * self._power(x) / (x + self.floor)
 
     def curvature(self, x: Values) -> Values:
         """-(2/9) (x + 6 e) (x + e)^(-8/3)."""
-        return -(2.0 / 9.0) * (x + 6.0 * self.floor) * (x + self.floor) ** (-8.0 / 3.0)
+        shifted = x + self.floor
+        return -(2.0 / 9.0) * (x + 6.0 * self.floor) * self._power(x) / (shifted * shifted)
+
+    def _power(self, x: Values) -> Values:
+        """(x + e)^(-2/3), the one expensive part of all three."""
+        root = jnp.cbrt(x + self.floor)
+        return 1.0 / (root * root)
 
     def prepare(self, measurements: Measurements) -> ResidualData:
         """Cosine and solid angle."""

@@ -9,7 +9,7 @@ programs otherwise), and the solver sees
 with the derivative of c* taken along (implicit function theorem).
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -30,6 +30,9 @@ _INNER_STEPS = 50
 _INNER_TOLERANCE = 1e-12
 _NEGLIGIBLE = 1e-9
 _STEP_LENGTHS = (1.0, 0.4, 0.1)
+_FIRST_DAMPING = 0.03
+EDGE = 1e-3
+"""Nearer to a bound than this, F0 is tried on it."""
 
 Weights = Float[Array, "m channels"]
 
@@ -173,9 +176,19 @@ def _attach_derivative(problem: SeparableProblem, design: Float[Array, "n m"], w
     return jax.vmap(one, in_axes=(1, 1, 1), out_axes=1)(problem.target, problem.root_weight, weights)
 
 
-def projected_residuals(raw: Shapes, problem: SeparableProblem) -> tuple[Float[Array, "n channels"], Weights]:
+def shapes_at(raw: Shapes, problem: SeparableProblem, held: Shapes | None = None) -> Shapes:
+    """Physical shapes of raw ones; where ``held`` is not NaN, its value."""
+    shapes = forward_tree(problem.model.bounds(), raw)
+    if held is None:
+        return shapes
+    return jax.tree.map(lambda free, value: jnp.where(jnp.isnan(value), free, value), shapes, held)
+
+
+def projected_residuals(
+    raw: Shapes, problem: SeparableProblem, held: Shapes | None = None
+) -> tuple[Float[Array, "n channels"], Weights]:
     """Residuals as a function of the raw shapes alone, and the best weights."""
-    design = problem.design(forward_tree(problem.model.bounds(), raw))
+    design = problem.design(shapes_at(raw, problem, held))
     weights = best_weights(problem, jax.lax.stop_gradient(design))
     return problem.residuals(design, _attach_derivative(problem, design, weights)), weights
 
@@ -198,13 +211,40 @@ def cost_at(problem: SeparableProblem, shapes: Shapes) -> tuple[Float[Array, ""]
     return 0.5 * jnp.sum(problem.residuals(design, weights) ** 2), weights
 
 
-def solve(problem: SeparableProblem, shapes: Shapes, *, max_steps: int = 100, tolerance: float = 1e-5) -> Solution:
-    """Minimize from ``shapes`` with optimistix; a model without shapes needs only its weights."""
+def solve(
+    problem: SeparableProblem,
+    shapes: Shapes,
+    *,
+    held: Shapes | None = None,
+    max_steps: int = 100,
+    tolerance: float = 1e-5,
+) -> Solution:
+    """Minimize from ``shapes`` with optimistix; a model without shapes needs only its weights.
+
+    Where ``held`` is not NaN a shape keeps its value. F0 ends exactly on a bound that it approaches if this lowers the
+    cost: a logistic bound is never reached.
+    """
     if not jax.tree.leaves(shapes):
         cost, weights = cost_at(problem, shapes)
         return Solution(shapes, weights, cost, jnp.isfinite(cost), jnp.asarray(0))
-    found, converged, steps = _solve(problem, start_tree(problem.model.bounds(), shapes), max_steps, tolerance)
+    raw = start_tree(problem.model.bounds(), shapes)
+    if held is None:
+        held = Shapes(
+            *(None if leaf is None else jnp.full(jnp.shape(leaf), jnp.nan) for leaf in (shapes.roughness, shapes.f0))
+        )
+    # As an array: another tolerance needs no other program.
+    found, converged, steps = _solve(problem, raw, held, max_steps, jnp.asarray(tolerance, jnp.float64))
     cost, weights = cost_at(problem, found)
+    if found.f0 is not None:
+        edge = Shapes(found.roughness, jnp.round(found.f0))
+        edge_cost, edge_weights = cost_at(problem, edge)
+        closer = (jnp.abs(found.f0 - edge.f0) < EDGE) & (edge_cost <= cost)
+
+        def either(ours: Array, theirs: Array) -> Array:
+            return jnp.where(closer, theirs, ours)
+
+        found, weights, cost = jax.tree.map(either, (found, weights, cost), (edge, edge_weights, edge_cost))
+        converged = converged | closer
     weights = _without_rounding(problem, found, weights)
     return Solution(found, weights, cost, converged & jnp.isfinite(cost), steps)
 
@@ -221,10 +261,13 @@ def _without_rounding(problem: SeparableProblem, shapes: Shapes, weights: Weight
 
 @eqx.filter_jit
 def _solve(
-    problem: SeparableProblem, raw: Shapes, max_steps: int, tolerance: float
+    problem: SeparableProblem, raw: Shapes, held: Shapes | None, max_steps: int, tolerance: Any
 ) -> tuple[Shapes, Bool[Array, ""], Int[Array, ""]]:
+    # Levenberg-Marquardt damps by the identity, at first times 1: with residuals far below 1 it would not move at all.
+    first = _FIRST_DAMPING * jnp.sqrt(jnp.sum(projected_residuals(raw, problem, held)[0] ** 2))
+    size = jnp.where(jnp.isfinite(first) & (first > 0), first, 1.0)
     solution = optx.least_squares(
-        lambda raw, problem: projected_residuals(raw, problem)[0],
+        lambda raw, problem: projected_residuals(raw, problem, held)[0] / size,
         optx.LevenbergMarquardt(tolerance, tolerance, linear_solver=lx.Normal(lx.Cholesky())),
         raw,
         problem,
@@ -232,5 +275,5 @@ def _solve(
         max_steps=max_steps,
         throw=False,
     )
-    shapes = forward_tree(problem.model.bounds(), solution.value)
+    shapes = shapes_at(solution.value, problem, held)
     return shapes, solution.result == optx.RESULTS.successful, jnp.asarray(solution.stats["num_steps"])

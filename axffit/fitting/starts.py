@@ -15,10 +15,14 @@ import numpy as np
 from axffit import brdf as brdfs
 from axffit.fitting.models import SCAN_ROUGHNESSES, AbstractLobeModel, Shapes
 from axffit.fitting.nonnegative import solve_nonnegative
-from axffit.fitting.separable import SeparableProblem, Solution, cost_at, solve
+from axffit.fitting.separable import EDGE, SeparableProblem, Solution, cost_at, solve
 
 POLISHED = 6
-_SUBSAMPLE = 8192
+FINISHED = 3
+_ROUGH, _MIDDLE, _FINE = 0.02, 1e-4, 1e-5
+_NEAR = 0.1
+_INSIDE = 1e-4
+SUBSAMPLE, _SMALLEST = 8192, 2048
 _GOLDEN = 0.6180339887498949
 
 
@@ -55,7 +59,7 @@ def _scan(problem: SeparableProblem, model: AbstractLobeModel, roughnesses, choi
 def scanned_starts(problem: SeparableProblem, model: AbstractLobeModel, count: int) -> Shapes:
     """The ``count`` best starts, best first, by the linearized cost, on a leading axis; may be traced by JAX.
 
-    For single lobes F0 = p / (p + q) of the channels' sums, kept off its bounds.
+    A fitted F0 starts at p / (p + q) of all channels' and lobes' sums, kept off its bounds.
     """
     choices = np.array(list(combinations(range(len(SCAN_ROUGHNESSES)), model.lobe_count)))
     count = min(count, len(choices))
@@ -63,7 +67,7 @@ def scanned_starts(problem: SeparableProblem, model: AbstractLobeModel, count: i
     best = jnp.argsort(cost, stable=True)[:count]
     f0 = None
     if model.bounds().f0 is not None:
-        p, q = jnp.moveaxis(jnp.sum(weights[best], axis=1)[:, 1:3], 1, 0)
+        p, q = (jnp.sum(weights[best][:, :, first::2], axis=(1, 2)) for first in (1, 2))
         lit = p + q > 0
         f0 = jnp.where(lit, jnp.clip(p / jnp.where(lit, p + q, 1.0), 0.02, 0.9), 0.5)
     return Shapes(jnp.asarray(SCAN_ROUGHNESSES)[jnp.asarray(choices)[best]], f0)
@@ -79,7 +83,12 @@ def scan(problem: SeparableProblem, *, count: int = 3) -> list[Shapes]:
 
 
 def subsample(problem: SeparableProblem, count: int) -> SeparableProblem:
-    """The problem on ``count`` of its samples, spread evenly through their order by golden-ratio steps."""
+    """The problem on ``count`` of its samples, spread evenly through their order by golden-ratio steps.
+
+    The problem itself where it has fewer than twice as many.
+    """
+    if len(problem.wi) <= 2 * count:
+        return problem
     real = np.flatnonzero(np.asarray(problem.root_weight).max(axis=1) > 0)
     order = np.argsort(np.mod(np.arange(len(real)) * _GOLDEN, 1.0), kind="stable")
     chosen = jnp.asarray(np.sort(real[order[:count]]))
@@ -95,23 +104,59 @@ def minimize(
 ) -> Solution:
     """The best solution from the scan's starts.
 
-    With many samples the starts are polished on 8192 of them, compared on all, and the best one is finished on all.
+    All starts are polished roughly, with many samples on 2048 of them; the best three different ends are finished on
+    8192, compared on all, and the best one is finished on all.
     """
     if progress is not None:
         progress("scan for starts", 0.0)
     starts = scan(problem, count=POLISHED)
-    small = problem if len(problem.wi) <= 2 * _SUBSAMPLE else subsample(problem, _SUBSAMPLE)
-    found = []
+    small = subsample(problem, SUBSAMPLE)
+    smallest = subsample(problem, _SMALLEST)
+    total = len(starts) + FINISHED + 1
+    rough, found = [], []
     for number, start in enumerate(starts):
         if progress is not None:
-            progress("lobes", number / (len(starts) + 1))
-        found.append(solve(small, start, max_steps=max_steps))
+            progress("lobes", number / total)
+        rough.append(solve(smallest, start, max_steps=max_steps, tolerance=_ROUGH))
+    for number, start in enumerate(_different(rough)):
+        if progress is not None:
+            progress("lobes", (len(starts) + number) / total)
+        found.append(_finish(small, start, max_steps, _FINE if small is problem else _MIDDLE))
     if small is problem:
         return min(found, key=lambda solution: _finite(solution.cost))
     if progress is not None:
-        progress("lobes", len(starts) / (len(starts) + 1))
+        progress("lobes", 1.0 - 1.0 / total)
     best = min(found, key=lambda solution: _finite(cost_at(problem, solution.shapes)[0]))
-    return solve(problem, best.shapes, max_steps=max_steps)
+    return _finish(problem, best, max_steps, _FINE)
+
+
+def _finish(problem: SeparableProblem, start: Solution, max_steps: int, tolerance: float) -> Solution:
+    """The minimum near ``start``; where that has F0 next to a bound, first the minimum on the bound."""
+    shapes = start.shapes
+    if shapes.f0 is not None and abs(float(shapes.f0) - round(float(shapes.f0))) < EDGE:
+        f0 = jnp.asarray(round(float(shapes.f0)), jnp.float64)
+        held = Shapes(jnp.full(shapes.roughness.shape, jnp.nan), f0)
+        on_bound = solve(problem, shapes, held=held, max_steps=max_steps, tolerance=tolerance)
+        inside = Shapes(on_bound.shapes.roughness, jnp.abs(f0 - _INSIDE))
+        if float(cost_at(problem, inside)[0]) >= float(on_bound.cost):
+            return on_bound
+    return solve(problem, shapes, max_steps=max_steps, tolerance=tolerance)
+
+
+def _different(rough: list[Solution]) -> list[Solution]:
+    """The best three solutions, best first, without those that have about the shapes of a better one."""
+
+    def place(solution: Solution) -> np.ndarray:
+        shapes = solution.shapes
+        f0 = np.zeros(0) if shapes.f0 is None else np.ravel(shapes.f0)
+        spread = np.zeros(0) if shapes.roughness is None else np.sort(np.log(shapes.roughness))
+        return np.concatenate([spread, f0])
+
+    kept: list[Solution] = []
+    for solution in sorted(rough, key=lambda solution: _finite(solution.cost)):
+        if all(np.max(np.abs(place(solution) - place(one)), initial=0.0) > _NEAR for one in kept):
+            kept.append(solution)
+    return kept[:FINISHED]
 
 
 def _finite(cost: jax.Array) -> float:
