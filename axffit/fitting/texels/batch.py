@@ -1,0 +1,110 @@
+"""Texels in any number: blocks of lanes through the batched solver, the slow ones again, the rest by optimistix."""
+
+import enum
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float, Int
+
+from axffit.fitting.texels.finish import finish
+from axffit.fitting.texels.problem import Coupling, Point, Samples, TexelModel, evaluate
+from axffit.fitting.texels.shading import Light
+from axffit.fitting.texels.solver import advance, begin
+from axffit.fitting.texels.starts import best_start
+
+LANES = 256
+"""Texels in flight at once: 64 images of them fill a core's cache."""
+
+ROUNDS = (8, 24)
+"""Steps that all lanes of a block may take, then those of the texels left over, packed together."""
+
+_FINISHED_TOGETHER = 16
+
+
+class Outcome(enum.IntEnum):
+    """How a texel's fit ended."""
+
+    CONVERGED = 0
+    """By the batched solver."""
+    FINISHED = 1
+    """By optimistix, after the batched solver had not converged."""
+    NOT_CONVERGED = 2
+    """Neither converged: the best parameters found are given, without standard errors."""
+    TOO_FEW_SAMPLES = 3
+    """No more samples than parameters: nothing was fitted."""
+
+
+class TexelFit(NamedTuple):
+    """Solutions of some texels, in NumPy; lanes last."""
+
+    point: Point
+    coupling: Coupling
+    outcome: Int[np.ndarray, " lanes"]
+
+
+def fit_texels(
+    model: TexelModel,
+    light: Light,
+    values: Float[np.ndarray, "channels n texels"],
+    precisions: Float[np.ndarray, "channels n texels"],
+    start: Float[np.ndarray, "p texels"] | None = None,
+    lanes: int = LANES,
+) -> TexelFit:
+    """The best parameters of every texel.
+
+    Args:
+        model: what is fitted.
+        light: directions, the same for all texels: arrays (images, 1).
+        values: radiance over irradiance at normal incidence.
+        precisions: 1 / sigma² of each value; 0 where it is not to be used.
+        start: theta to begin with; None looks for one (:mod:`axffit.fitting.texels.starts`).
+        lanes: texels in flight at once. A texel's bits may depend on its place in a block, so a run that is to be
+            repeated bit for bit keeps it.
+    """
+    texels = values.shape[-1]
+    usable = np.count_nonzero(precisions > 0, axis=(0, 1)) > model.parameters(len(values))
+    # A channel without any sample would leave its weights undetermined.
+    usable &= np.all(np.count_nonzero(precisions > 0, axis=1) > model.weights, axis=0)
+    outcome = np.where(usable, Outcome.NOT_CONVERGED, Outcome.TOO_FEW_SAMPLES).astype(np.int8)
+    theta = np.zeros((model.shapes, texels))
+    damping = np.zeros(texels)
+
+    def samples_at(part: Int[np.ndarray, " lanes"]) -> Samples:
+        return Samples(light, jnp.asarray(values[..., part]), jnp.asarray(precisions[..., part]))
+
+    left = np.flatnonzero(usable)
+    for number, steps in enumerate(ROUNDS):
+        for part, count in _blocks(left, lanes):
+            samples = samples_at(part)
+            if number > 0:
+                state = begin(model, samples, jnp.asarray(theta[:, part]))._replace(damping=jnp.asarray(damping[part]))
+            else:
+                first = best_start(model, samples) if start is None else jnp.asarray(start[:, part])
+                state = begin(model, samples, first)
+            state = advance(model, samples, state, jnp.asarray(steps))
+            own = part[:count]
+            theta[:, own] = np.asarray(state.point.theta)[:, :count]
+            damping[own] = np.asarray(state.damping)[:count]
+            outcome[own[np.asarray(state.converged)[:count]]] = Outcome.CONVERGED
+        left = left[outcome[left] == Outcome.NOT_CONVERGED]
+    for part, count in _blocks(left, _FINISHED_TOGETHER):
+        finished = finish(model, samples_at(part), jnp.asarray(theta[:, part]))
+        found, converged = (np.asarray(array)[..., :count] for array in finished)
+        theta[:, part[:count]] = found
+        outcome[part[:count][converged]] = Outcome.FINISHED
+    parts = []
+    for part, count in _blocks(np.arange(texels), lanes):
+        solved = evaluate(model, samples_at(part), jnp.asarray(theta[:, part]))
+        parts.append(jax.tree.map(lambda array, count=count: np.asarray(array)[..., :count], solved))
+    point, coupling = jax.tree.map(lambda *arrays: np.concatenate(arrays, axis=-1), *parts)
+    return TexelFit(point, coupling, outcome)
+
+
+def _blocks(texels: Int[np.ndarray, " texels"], lanes: int) -> Iterator[tuple[Int[np.ndarray, " lanes"], int]]:
+    """The texels in blocks of equal size, so that one compilation serves all, and how many of a block count."""
+    for first in range(0, len(texels), lanes):
+        part = texels[first : first + lanes]
+        yield np.concatenate([part, np.repeat(part[-1:], lanes - len(part))]), len(part)
