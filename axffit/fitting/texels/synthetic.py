@@ -64,3 +64,22 @@ def made(
     variance = (noise * clean) ** 2 + (noise * floor) ** 2
     values = clean + np.sqrt(variance) * rng.standard_normal(clean.shape)
     return SyntheticTexels(wi, wo, Samples(light, jnp.asarray(values), jnp.asarray(1.0 / variance)), theta, weights)
+
+
+def true_maps(model: TexelModel, texels: SyntheticTexels) -> dict[str, Float[np.ndarray, "channels lanes"]]:
+    """The truth as AxF's maps hold it."""
+    weights = np.moveaxis(texels.weights, 1, 0)
+    maps = {"diffusecolor": weights[0], "specularcolor": weights[1:].sum(axis=0)}
+    if model.fresnel:
+        maps["fresnel"] = weights[1] / maps["specularcolor"]
+    if model.anisotropic:
+        mean, e1, e2 = texels.theta[:3]
+        stretch = np.hypot(e1, e2)
+        maps["specularlobe"] = np.exp(np.stack([mean + stretch, mean - stretch]))
+        maps["anisrotation"] = 0.5 * np.arctan2(e2, e1)[None]
+    else:
+        maps["specularlobe"] = np.exp(texels.theta[:1])
+    if model.normal:
+        slopes = np.concatenate([texels.theta[-2:], np.ones((1, texels.theta.shape[1]))])
+        maps["normal"] = slopes / np.linalg.norm(slopes, axis=0)
+    return maps
