@@ -14,7 +14,8 @@ class HalfDifferenceGrid(NamedTuple):
     """Cells of a half/difference grid whose directions are both above the horizon.
 
     ``wi``, ``wo`` (N, 3) at phi_h = 0; ``weights`` (N,), the solid angles of both directions, summing to 1;
-    ``theta_h``, ``theta_d``, ``phi_d`` (N,), radians.
+    ``theta_h``, ``theta_d``, ``phi_d`` (N,), radians; ``index`` (N,), the cells' places in the whole grid of
+    [theta_h, theta_d, phi_d], cells below the horizon counted.
     """
 
     wi: np.ndarray
@@ -23,6 +24,7 @@ class HalfDifferenceGrid(NamedTuple):
     theta_h: np.ndarray
     theta_d: np.ndarray
     phi_d: np.ndarray
+    index: np.ndarray
 
 
 def reference_grid(
@@ -45,4 +47,4 @@ def reference_grid(
     above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
     kept = [array[above] for array in (wi, wo, weights, theta_h, theta_d, phi_d)]
     kept[2] = kept[2] / kept[2].sum()
-    return HalfDifferenceGrid(*kept)
+    return HalfDifferenceGrid(*kept, index=np.flatnonzero(above))

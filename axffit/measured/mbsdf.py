@@ -9,7 +9,6 @@ looks (normalized coordinates of a filtered 3-D texture); azimuth 0 is the retro
 """
 
 import os
-import tempfile
 from pathlib import Path
 
 import equinox as eqx
@@ -21,6 +20,7 @@ from axffit._types import RGB, Direction, Scalar
 from axffit.brdf.base import AbstractBRDF, as_parameter
 from axffit.brdf.sampling import Uniforms, cosine_density, cosine_draw
 from axffit.errors import InputError
+from axffit.measured.files import read_bytes, write_whole
 from axffit.measured.measurements import Measurements, RGBChannels
 from axffit.numerics import safe_atan2, safe_norm
 
@@ -84,10 +84,7 @@ def read_table(path: str | os.PathLike) -> np.ndarray:
         InputError: the file is missing, has another header or type, or not as many bytes as its header promises.
     """
     path = Path(path)
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error}); give a readable .mbsdf file") from None
+    data = read_bytes(path, ".mbsdf")
     start = len(HEADER) + 12
     if not data.startswith(HEADER):
         raise InputError(
@@ -122,15 +119,7 @@ def write_table(path: str | os.PathLike, table: np.ndarray) -> None:
     if table.ndim != 4 or table.shape[0] != table.shape[1] or table.shape[3] not in kinds:
         raise ValueError(f"table has shape {table.shape}: give (T, T, P, 1 or 3)")
     sizes = np.array([kinds[table.shape[3]], table.shape[0], table.shape[2]], "<u4")
-    path = Path(path)
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=path.name, suffix=".part", delete=False) as file:
-        try:
-            file.write(HEADER + sizes.tobytes() + np.ascontiguousarray(table, "<f4").tobytes())
-            file.close()
-            os.replace(file.name, path)
-        except BaseException:
-            Path(file.name).unlink(missing_ok=True)
-            raise
+    write_whole(path, HEADER + sizes.tobytes() + np.ascontiguousarray(table, "<f4").tobytes())
 
 
 def grid_directions(theta_count: int, azimuth_count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -4,7 +4,7 @@ import pytest
 
 from axffit import measured
 from axffit.errors import InputError
-from axffit.measured import mbsdf
+from axffit.measured import files, mbsdf
 
 
 @pytest.fixture
@@ -110,7 +110,7 @@ def test_naming_another_material_is_refused(path):
 
 
 def test_writing_leaves_nothing_half_written(tmp_path, table, monkeypatch):
-    monkeypatch.setattr(mbsdf.os, "replace", lambda *_: (_ for _ in ()).throw(OSError("disk full")))
+    monkeypatch.setattr(files.os, "replace", lambda *_: (_ for _ in ()).throw(OSError("disk full")))
     with pytest.raises(OSError, match="disk full"):
         mbsdf.write_table(tmp_path / "a.mbsdf", table)
     assert list(tmp_path.iterdir()) == []
