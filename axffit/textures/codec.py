@@ -8,7 +8,7 @@ Codes are the bits a GPU holds. Decoding is done in float64, so what a bound pro
 """
 
 from abc import ABC, abstractmethod
-from typing import Literal, get_args
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 
@@ -42,13 +42,13 @@ def check_rounding(rounding: str) -> None:
 
 
 def round_scaled(scaled: np.ndarray, rounding: str) -> np.ndarray:
-    """Non-negative numbers in code steps to whole numbers, by the rounding mode."""
+    """Numbers in code steps to whole numbers, by the rounding mode."""
     check_rounding(rounding)
     if rounding == "nearest_even":
         return np.rint(scaled)
     if rounding == "device":
         return np.floor(scaled + 0.4)
-    return np.floor(scaled)
+    return np.trunc(scaled) if rounding == "toward_zero" else np.floor(scaled)
 
 
 class ScalarCodec(ABC):
@@ -59,8 +59,10 @@ class ScalarCodec(ABC):
         bits: bits of a code.
         lowest: smallest number the format holds.
         highest: largest finite number the format holds.
+        is_float: whether codes lie closer the nearer they are to 0, so that a scale factor gains nothing.
     """
 
+    is_float: ClassVar[bool] = False
     code_type: type[np.unsignedinteger]
     bits: int
     lowest: float

@@ -1,10 +1,19 @@
 """IEEE 754 channels: half (binary16) and single (binary32) precision, with directed rounding."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from .codec import ScalarCodec, check_rounding
+
+
+def binade(values: np.ndarray, lowest: int) -> np.ndarray:
+    """Largest e with 2^e <= |x|, at least ``lowest``; ``lowest`` for 0."""
+    values = np.abs(np.asarray(values, dtype=np.float64))
+    # frexp's mantissa lies in [1/2, 1), one binade above.
+    _, exponent = np.frexp(values)
+    return np.where(values == 0.0, lowest, np.maximum(exponent - 1, lowest))
 
 
 @dataclass(frozen=True)
@@ -23,6 +32,7 @@ class IeeeFloat(ScalarCodec):
         lowest_exponent: e_min of the normal numbers.
     """
 
+    is_float: ClassVar[bool] = True
     bits: int
     significant_bits: int
     lowest_exponent: int
@@ -78,11 +88,7 @@ class IeeeFloat(ScalarCodec):
     def error_bound(self, values: np.ndarray, rounding: str = "nearest_even") -> np.ndarray:
         """u / 2 or u of the class docstring, for each number."""
         check_rounding(rounding)
-        _, exponent = np.frexp(np.abs(np.asarray(values, dtype=np.float64)))
-        # frexp's mantissa lies in [1/2, 1), one binade above the convention of the docstring.
-        binade = np.maximum(exponent - 1, self.lowest_exponent)
-        binade = np.where(np.asarray(values) == 0.0, self.lowest_exponent, binade)
-        spacing = np.ldexp(1.0, binade - self.significant_bits + 1)
+        spacing = np.ldexp(1.0, binade(values, self.lowest_exponent) - self.significant_bits + 1)
         return spacing / 2 if rounding == "nearest_even" else spacing
 
 

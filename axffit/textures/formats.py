@@ -7,8 +7,9 @@ import numpy as np
 
 from ..errors import InputError
 from .codec import ScalarCodec
-from .floats import HALF, SINGLE, IeeeFloat
-from .unorm import SrgbUnorm, Uint, Unorm
+from .floats import HALF, SINGLE
+from .packed_floats import SharedExponent, UnsignedFloat
+from .unorm import Snorm, SrgbUnorm, Uint, Unorm
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class NumberFormat:
     @property
     def is_float(self) -> bool:
         """Whether it holds floating-point numbers, so that scale factors are useless."""
-        return isinstance(self.codecs[0], IeeeFloat)
+        return self.codecs[0].is_float
 
     @property
     def is_integer(self) -> bool:
@@ -77,11 +78,48 @@ class NumberFormat:
         return np.stack(parts, axis=-1)
 
 
+@dataclass(frozen=True)
+class SharedExponentFormat(NumberFormat):
+    """RGB9E5: three mantissas and the exponent of the largest in 32 bits; each channel's code holds that exponent too.
+
+    Codes and bounds of a texel depend on all its channels.
+    """
+
+    name: str = "RGB9E5"
+    codecs: tuple[ScalarCodec, ...] = (SharedExponent(),) * 3
+
+    @property
+    def bytes_per_texel(self) -> int:
+        """4: the exponent is stored once."""
+        return 4
+
+    def encode(self, values: np.ndarray, rounding: str = "nearest_even") -> np.ndarray:
+        """Codes [..., 3] of real numbers [..., 3]; the exponent is the same for the channels of a texel.
+
+        Raises:
+            InputError: the number of channels differs.
+        """
+        values = self._checked(values)
+        return SharedExponent().encode(values, rounding, _largest(values))
+
+    def error_bound(self, values: np.ndarray, rounding: str = "nearest_even") -> np.ndarray:
+        """Proven bound on |decode(encode(x)) - x| for every finite number in range, [..., 3]."""
+        values = self._checked(values)
+        return SharedExponent().error_bound(values, rounding, _largest(values))
+
+
+def _largest(values: np.ndarray) -> np.ndarray:
+    """The largest channel of each texel, [..., 1]; NaN counts as 0."""
+    return np.where(np.isnan(values), 0.0, values).max(axis=-1, keepdims=True)
+
+
 _CHANNELS = ("R", "RG", "RGB", "RGBA")
 
 _SCALARS: Mapping[str, ScalarCodec] = {
     "8_UNORM": Unorm(8),
     "16_UNORM": Unorm(16),
+    "8_SNORM": Snorm(8),
+    "16_SNORM": Snorm(16),
     "8_UINT": Uint(8),
     "16F": HALF,
     "32F": SINGLE,
@@ -94,12 +132,24 @@ def _srgb(channels: str) -> NumberFormat:
     return NumberFormat(f"{channels}8_UNORM_SRGB", codecs)
 
 
+_PACKED = (
+    NumberFormat("RGB10A2_UNORM", (Unorm(10), Unorm(10), Unorm(10), Unorm(2))),
+    NumberFormat("R11G11B10F", (UnsignedFloat(11), UnsignedFloat(11), UnsignedFloat(10))),
+    SharedExponentFormat(),
+)
+
 FORMATS: Mapping[str, NumberFormat] = {
     entry.name: entry
-    for channels in _CHANNELS
     for entry in (
-        *(NumberFormat(channels + suffix, (codec,) * len(channels)) for suffix, codec in _SCALARS.items()),
-        _srgb(channels),
+        *(
+            entry
+            for channels in _CHANNELS
+            for entry in (
+                *(NumberFormat(channels + suffix, (codec,) * len(channels)) for suffix, codec in _SCALARS.items()),
+                _srgb(channels),
+            )
+        ),
+        *_PACKED,
     )
 }
 """Every format by its name."""

@@ -1,4 +1,4 @@
-"""Integer channels: UNORM, UNORM behind the sRGB curve, and plain unsigned integers."""
+"""Integer channels: UNORM, SNORM, UNORM behind the sRGB curve, and plain unsigned integers."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import numpy as np
 from ..errors import InputError
 from .codec import ULPS, ScalarCodec, check_rounding, round_scaled
 
-_CODE_TYPES: dict[int, type[np.unsignedinteger]] = {8: np.uint8, 16: np.uint16}
+_CODE_TYPES: dict[int, type[np.unsignedinteger]] = {2: np.uint8, 8: np.uint8, 10: np.uint16, 16: np.uint16}
 
 # Scaling to code steps and dividing back are one float64 rounding each, at most 2^-54 of the range apiece.
 _ARITHMETIC = 2.0**-52
@@ -35,7 +35,7 @@ class Unorm(ScalarCodec):
 
     @property
     def code_type(self) -> type[np.unsignedinteger]:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """uint8 or uint16."""
+        """uint8 or uint16, whichever holds a code."""
         return _CODE_TYPES[self.bits]
 
     def encode(self, values: np.ndarray, rounding: str = "nearest_even") -> np.ndarray:
@@ -50,6 +50,48 @@ class Unorm(ScalarCodec):
 
     def error_bound(self, values: np.ndarray, rounding: str = "nearest_even") -> np.ndarray:
         """u / (2^n - 1), the same for every number."""
+        check_rounding(rounding)
+        return np.full(np.shape(values), ULPS[rounding] / self.steps + _ARITHMETIC)
+
+
+@dataclass(frozen=True)
+class Snorm(ScalarCodec):
+    """SNORM of n bits: code = round(clamp(x, -1, 1) M) in two's complement, M = 2^(n-1) - 1; x = max(code / M, -1).
+
+    NaN becomes 0, and both -2^(n-1) and -2^(n-1) + 1 are -1 (Direct3D 11.3 functional specification 3.2.3.3); the
+    first of them is never written. Codes are held as unsigned integers.
+
+    Bound: as for `Unorm`: x errs by u / M, u = 0.5 (nearest), 0.6 (device) or 1, plus two float64 roundings.
+    """
+
+    bits: int
+    lowest: float = -1.0
+    highest: float = 1.0
+
+    @property
+    def steps(self) -> int:
+        """Number of steps from 0 to 1: 2^(n-1) - 1."""
+        return 2 ** (self.bits - 1) - 1
+
+    @property
+    def code_type(self) -> type[np.unsignedinteger]:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """uint8 or uint16."""
+        return _CODE_TYPES[self.bits]
+
+    def encode(self, values: np.ndarray, rounding: str = "nearest_even") -> np.ndarray:
+        """Codes of numbers, clamped to [-1, 1]; NaN gives 0."""
+        values = np.asarray(values, dtype=np.float64)
+        clamped = np.clip(np.where(np.isnan(values), 0.0, values), -1.0, 1.0)
+        return round_scaled(clamped * self.steps, rounding).astype(np.int32).astype(self.code_type)
+
+    def decode(self, codes: np.ndarray) -> np.ndarray:
+        """max(code / M, -1), the code read in two's complement."""
+        codes = np.asarray(codes, dtype=np.int32)
+        signed = np.where(codes > self.steps, codes - 2**self.bits, codes)
+        return np.maximum(signed / self.steps, -1.0)
+
+    def error_bound(self, values: np.ndarray, rounding: str = "nearest_even") -> np.ndarray:
+        """u / M, the same for every number."""
         check_rounding(rounding)
         return np.full(np.shape(values), ULPS[rounding] / self.steps + _ARITHMETIC)
 

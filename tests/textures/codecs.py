@@ -1,40 +1,50 @@
-"""The tables every law below runs over: a codec added here inherits all of them."""
+"""The table every law of codecs runs over: a codec added here inherits all of them."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from axffit.textures.codec import ScalarCodec
 from axffit.textures.floats import HALF, SINGLE
-from axffit.textures.unorm import SrgbUnorm, Uint, Unorm
+from axffit.textures.packed_floats import SharedExponent, UnsignedFloat
+from axffit.textures.unorm import Snorm, SrgbUnorm, Uint, Unorm
 
-REAL_CODECS: dict[str, Callable[[], ScalarCodec]] = {
-    "UNORM8": lambda: Unorm(8),
-    "UNORM16": lambda: Unorm(16),
-    "SRGB8": lambda: SrgbUnorm(8),
-    "half": lambda: HALF,
-    "float32": lambda: SINGLE,
+NAN, INF = np.nan, np.inf
+LARGEST_SINGLE = SINGLE.highest
+
+
+class Case(NamedTuple):
+    """A codec and what NaN, -infinity, +infinity and finite numbers far below and above its range decode as.
+
+    Numbers beyond the range of an IEEE float depend on the rounding and have tests of their own: None here.
+    """
+
+    make: Callable[[], ScalarCodec]
+    nan: float
+    infinities: tuple[float, float]
+    beyond: tuple[float, float] | None
+
+
+REAL_CODECS: dict[str, Case] = {
+    "UNORM2": Case(lambda: Unorm(2), 0, (0, 1), (0, 1)),
+    "UNORM8": Case(lambda: Unorm(8), 0, (0, 1), (0, 1)),
+    "UNORM10": Case(lambda: Unorm(10), 0, (0, 1), (0, 1)),
+    "UNORM16": Case(lambda: Unorm(16), 0, (0, 1), (0, 1)),
+    "SNORM8": Case(lambda: Snorm(8), 0, (-1, 1), (-1, 1)),
+    "SNORM16": Case(lambda: Snorm(16), 0, (-1, 1), (-1, 1)),
+    "SRGB8": Case(lambda: SrgbUnorm(8), 0, (0, 1), (0, 1)),
+    "half": Case(lambda: HALF, NAN, (-INF, INF), None),
+    "unsigned float of 11 bits": Case(lambda: UnsignedFloat(11), NAN, (0, INF), (0, 65024)),
+    "unsigned float of 10 bits": Case(lambda: UnsignedFloat(10), NAN, (0, INF), (0, 64512)),
+    "shared exponent": Case(SharedExponent, 0, (0, 65408), (0, 65408)),
+    "float32": Case(lambda: SINGLE, NAN, (-INF, INF), None),
 }
 """Codecs that take real numbers."""
 
-CODECS: dict[str, Callable[[], ScalarCodec]] = {**REAL_CODECS, "UINT8": lambda: Uint(8), "UINT16": lambda: Uint(16)}
+CODECS: dict[str, Callable[[], ScalarCodec]] = {
+    **{name: case.make for name, case in REAL_CODECS.items()},
+    "UINT8": lambda: Uint(8),
+    "UINT16": lambda: Uint(16),
+}
 """Every codec."""
-
-SMALL_CODECS = {name: make for name, make in CODECS.items() if make().bits <= 16}
-"""Codecs whose codes can be listed."""
-
-
-def finite_codes(codec: ScalarCodec) -> np.ndarray:
-    """Every code of a finite number in ascending order of the number (float32: a seeded sample of every binade)."""
-    if codec is SINGLE:
-        rng = np.random.default_rng(0)
-        exponents = np.repeat(np.arange(255, dtype=np.uint32), 40)
-        mantissas = rng.integers(0, 2**23, exponents.size, dtype=np.uint32)
-        mantissas[::40], mantissas[1::40] = 0, 2**23 - 1
-        positive = (exponents << np.uint32(23)) | mantissas
-        codes = np.concatenate([positive, positive | np.uint32(2**31)])
-    else:
-        codes = codec.all_codes()
-    values = codec.decode(codes)
-    codes, values = codes[np.isfinite(values)], values[np.isfinite(values)]
-    return codes[np.argsort(values, kind="stable")]

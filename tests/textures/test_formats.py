@@ -11,6 +11,7 @@ every_format = pytest.mark.parametrize("name", FORMATS)
 SPECIFIED = {
     "R8_UNORM": 1, "RG8_UNORM": 2, "RGBA8_UNORM": 4, "RGBA8_UNORM_SRGB": 4, "R8_UINT": 1, "R16_UNORM": 2,
     "RG16_UNORM": 4, "RGBA16_UNORM": 8, "R16F": 2, "RG16F": 4, "RGBA16F": 8, "R32F": 4, "RGBA32F": 16,
+    "RGBA8_SNORM": 4, "RGBA16_SNORM": 8, "RGB10A2_UNORM": 4, "R11G11B10F": 4, "RGB9E5": 4,
 }  # fmt: skip
 """Formats the specification names, with their bytes a texel."""
 

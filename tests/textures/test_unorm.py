@@ -5,7 +5,7 @@ import pytest
 
 from axffit.errors import InputError
 from axffit.textures import ROUNDINGS
-from axffit.textures.unorm import SrgbUnorm, Uint, Unorm, linear_to_srgb, srgb_to_linear
+from axffit.textures.unorm import Snorm, SrgbUnorm, Uint, Unorm, linear_to_srgb, srgb_to_linear
 
 BITS = pytest.mark.parametrize("bits", [8, 16])
 
@@ -70,3 +70,23 @@ def test_the_srgb_curve_is_the_standard_one():
 def test_an_integer_format_never_wraps(value):
     with pytest.raises(InputError, match="give whole numbers from 0 to 255"):
         Uint(8).encode(np.array([1.0, value]))
+
+
+@BITS
+def test_both_lowest_codes_of_snorm_are_minus_one(bits):
+    codec = Snorm(bits)
+    half = 2 ** (bits - 1)
+    np.testing.assert_array_equal(codec.decode(np.array([half, half + 1, 0, half - 1])), [-1, -1, 0, 1])
+    np.testing.assert_array_equal(codec.encode(np.array([-1.0, -2.0, 1.0])), [half + 1, half + 1, half - 1])
+
+
+def test_snorm_rounds_negative_numbers_as_the_mode_says():
+    x = np.array([-1.3, -1.5, -1.7, -2.5, 1.3, 1.5, 1.7, 2.5]) / 127
+    expected = {
+        "nearest_even": [-1, -2, -2, -2, 1, 2, 2, 2],
+        "toward_zero": [-1, -1, -1, -2, 1, 1, 1, 2],
+        "floor": [-2, -2, -2, -3, 1, 1, 1, 2],
+        "device": [-1, -2, -2, -3, 1, 1, 2, 2],
+    }
+    for rounding, steps in expected.items():
+        np.testing.assert_array_equal(Snorm(8).encode(x, rounding).view(np.int8), steps)

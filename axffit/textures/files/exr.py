@@ -28,7 +28,7 @@ def holds(format: str) -> bool:
     form = FORMATS.get(format)
     if form is None:
         return False
-    return _own_float(form) is not None or not any(codec.lowest < 0 for codec in form.codecs)
+    return _own_float(form) is not None or not any(codec.is_float or codec.lowest < 0 for codec in form.codecs)
 
 
 def write(path: Path, image: TextureImage) -> None:

@@ -20,7 +20,11 @@ def random_image(
             rng.integers(0, 2**codec.bits, (*shape, max(1, size[0] >> k), max(1, size[1] >> k)), dtype=np.uint64)
             for codec in form.codecs
         ]
-        made.append(np.stack(level, axis=-1).astype(code_type_of(form)))
+        codes = np.stack(level, axis=-1).astype(code_type_of(form))
+        if format == "RGB9E5":
+            # The channels of a texel share the exponent above their mantissas.
+            codes = (codes & np.uint16(511)) | (codes[..., :1] & np.uint16(0x3E00))
+        made.append(codes)
     return TextureImage(format, tuple(made))
 
 

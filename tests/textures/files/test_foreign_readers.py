@@ -45,6 +45,8 @@ def texels_of(codes, form):
     if len(set(bits)) == 1 and bits[0] in (8, 16, 32):
         kind = {8: "u1", 16: "<u2", 32: "<u4"}[bits[0]]
         return codes.astype(kind).tobytes()
+    if form.name == "RGB9E5":
+        codes, bits = np.concatenate([codes & np.uint16(511), codes[..., :1] >> np.uint16(9)], axis=-1), [9, 9, 9, 5]
     words = sum(codes[..., channel].astype(np.uint64) << np.uint64(sum(bits[:channel])) for channel in range(len(bits)))
     assert sum(bits) == 32
     return np.asarray(words).astype("<u4").tobytes()
