@@ -14,7 +14,8 @@ measured. What is not affine, and is measured:
 - the coat's index: F0 is filtered in place of n;
 - colors stored as a power of themselves, where the hardware does not know of the power.
 
-Weights are multiples of 1/4, which GPUs have exactly (D3D11_SUBTEXEL_FRACTIONAL_BIT_COUNT is 8). Maps repeat, the color table is clamped at its edges.
+Weights are multiples of 1/4, which GPUs have exactly (D3D11_SUBTEXEL_FRACTIONAL_BIT_COUNT is 8). Maps repeat, the color
+table is clamped at its edges.
 """
 
 from collections.abc import Callable, Iterator, Mapping
