@@ -38,7 +38,7 @@ def solve_batch(
         problem: model, residual and directions; its own target and weights are not looked at.
         targets: what :attr:`SeparableProblem.target` would be for each data set.
         root_weights: the same of its ``root_weight``; one for all where the first axis is 1.
-        start: where all lanes begin; None takes the scan's starts of each lane.
+        start: where each data set's fit begins, on a leading axis; None takes the scan's starts of each.
         max_steps: of each solver.
         lanes: how many data sets are in flight at once.
     """
@@ -48,7 +48,8 @@ def solve_batch(
     for first in range(0, sets, lanes):
         # Every chunk has the same shape, so that one compilation serves all.
         part = np.resize(np.arange(first, min(first + lanes, sets)), min(lanes, sets))
-        batch = _solve_lanes(problem, jnp.asarray(targets[part]), jnp.asarray(root_weights[part]), start, max_steps)
+        starts = jax.tree.map(lambda leaf, part=part: jnp.asarray(leaf)[part], start)
+        batch = _solve_lanes(problem, jnp.asarray(targets[part]), jnp.asarray(root_weights[part]), starts, max_steps)
         found.append(jax.tree.map(lambda leaf, first=first: np.asarray(leaf)[: sets - first], batch))
     return jax.tree.map(lambda *leaves: np.concatenate(leaves), *found)
 
@@ -59,13 +60,13 @@ def _solve_lanes(
 ) -> Solution:
     model = problem.model
 
-    def lane(target: Array, root_weight: Array) -> Solution:
+    def lane(target: Array, root_weight: Array, begin: Shapes | None) -> Solution:
         own = lane_of(problem, target, root_weight)
-        if start is not None or not isinstance(model, AbstractLobeModel):
-            return solve(own, Shapes() if start is None else start, max_steps=max_steps)
+        if begin is not None or not isinstance(model, AbstractLobeModel):
+            return solve(own, Shapes() if begin is None else begin, max_steps=max_steps)
         starts = scanned_starts(own, model, POLISHED)
         solutions = jax.lax.map(lambda shapes: solve(own, shapes, max_steps=max_steps), starts)
         best = jnp.argmin(jnp.where(jnp.isfinite(solutions.cost), solutions.cost, jnp.inf))
         return jax.tree.map(lambda leaf: leaf[best], solutions)
 
-    return jax.vmap(lane)(targets, root_weights)
+    return jax.vmap(lane)(targets, root_weights, start)

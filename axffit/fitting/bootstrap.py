@@ -78,7 +78,8 @@ def bootstrap(
     root_weights = np.zeros((count, *root_weight.shape))
     root_weights[:, real] = np.sqrt(draws)[:, :, None] * root_weight[real]
     targets = np.broadcast_to(np.asarray(problem.target), root_weights.shape)
-    found = solve_batch(problem, targets, root_weights, start=shapes)
+    start = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count, *leaf.shape)), shapes)
+    found = solve_batch(problem, targets, root_weights, start=start)
     kept = np.flatnonzero(found.converged)
     values = []
     for lane in kept.tolist():

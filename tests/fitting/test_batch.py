@@ -51,9 +51,9 @@ def test_each_lane_ends_where_its_own_fit_ends(model, residual):
 
 def test_given_starts_are_used():
     alone = problems(SingleLobeModel(lobe="ggx"), LogCosine(), range(2))
-    start = Shapes(np.array([0.3]), np.array(0.5))
+    start = Shapes(np.array([[0.3], [0.1]]), np.array([0.5, 0.4]))
     together = batch_of(alone, start=start)
-    single = solve(alone[1], jax.tree.map(jax.numpy.asarray, start))
+    single = solve(alone[1], jax.tree.map(lambda leaf: jax.numpy.asarray(leaf[1]), start))
     assert together.cost[1] == pytest.approx(float(single.cost), rel=1e-8)
     assert int(together.steps[1]) == int(single.steps)
 

@@ -73,7 +73,8 @@ def test_correlations_are_those_of_repeated_fits():
     problem = make_problem(model, residual, data, residual.prepare(data))
     values, sigma = problem.design(shapes) @ weights, np.asarray(problem.root_weight)
     noise = np.random.default_rng(3).normal(size=(sets, *values.shape)) / np.where(sigma > 0, sigma, np.inf)
-    fits = solve_batch(problem, np.asarray(values) + noise, sigma[None], start=shapes)
+    start = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (sets, *leaf.shape)), shapes)
+    fits = solve_batch(problem, np.asarray(values) + noise, sigma[None], start=start)
     found = estimates(problem, shapes, weights)
     alone = [estimates(problem, *jax.tree.map(lambda leaf, k=k: jnp.asarray(leaf[k]), fits)[:2]) for k in range(sets)]
     seen = np.asarray(np.corrcoef([[one.value for one in each.parameters] for each in alone], rowvar=False))
