@@ -4,13 +4,12 @@ import enum
 from collections.abc import Iterator
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
 from axffit.fitting.texels.finish import finish
-from axffit.fitting.texels.problem import Coupling, Point, Samples, TexelModel, evaluate
+from axffit.fitting.texels.problem import Samples, TexelModel, evaluate
 from axffit.fitting.texels.shading import Light
 from axffit.fitting.texels.solver import advance, begin
 from axffit.fitting.texels.starts import best_start
@@ -38,11 +37,15 @@ class Outcome(enum.IntEnum):
 
 
 class TexelFit(NamedTuple):
-    """Solutions of some texels, in NumPy; lanes last."""
+    """Solutions of some texels; the fields are those of :mod:`axffit.fitting.texels.problem`'s Point and Coupling."""
 
-    point: Point
-    coupling: Coupling
-    outcome: Int[np.ndarray, " lanes"]
+    theta: Float[np.ndarray, "p texels"]
+    weights: Float[np.ndarray, "channels k texels"]
+    cost: Float[np.ndarray, " texels"]
+    hessian: Float[np.ndarray, "packed texels"]
+    gram: Float[np.ndarray, "channels packed_gram texels"]
+    mixed: Float[np.ndarray, "channels k p texels"]
+    outcome: Int[np.ndarray, " texels"]
 
 
 def fit_texels(
@@ -97,10 +100,11 @@ def fit_texels(
         outcome[part[:count][converged]] = Outcome.FINISHED
     parts = []
     for part, count in _blocks(np.arange(texels), lanes):
-        solved = evaluate(model, samples_at(part), jnp.asarray(theta[:, part]))
-        parts.append(jax.tree.map(lambda array, count=count: np.asarray(array)[..., :count], solved))
-    point, coupling = jax.tree.map(lambda *arrays: np.concatenate(arrays, axis=-1), *parts)
-    return TexelFit(point, coupling, outcome)
+        point, coupling = evaluate(model, samples_at(part), jnp.asarray(theta[:, part]))
+        solved = (point.theta, point.weights, point.cost, point.hessian, coupling.gram, coupling.mixed)
+        parts.append([np.asarray(array)[..., :count] for array in solved])
+    whole = [np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True)]
+    return TexelFit(*whole, outcome=outcome)
 
 
 def _blocks(texels: Int[np.ndarray, " texels"], lanes: int) -> Iterator[tuple[Int[np.ndarray, " lanes"], int]]:

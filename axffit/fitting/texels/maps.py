@@ -78,14 +78,13 @@ class _Covariance(NamedTuple):
 
 
 def _covariance(model: TexelModel, fit: TexelFit, scale: np.ndarray) -> _Covariance:
-    point, coupling = fit.point, fit.coupling
-    hessian = _full(point.hessian, model.shapes)
+    hessian = _full(fit.hessian, model.shapes)
     free = (np.diagonal(hessian, axis1=-2, axis2=-1) > 0.0).copy()
-    free[:, 0] &= (point.theta[0] > LOWEST_LOG_ROUGHNESS) & (point.theta[0] < HIGHEST_LOG_ROUGHNESS)
+    free[:, 0] &= (fit.theta[0] > LOWEST_LOG_ROUGHNESS) & (fit.theta[0] < HIGHEST_LOG_ROUGHNESS)
     of_theta, regular = _inverse(hessian, free)
-    used = np.moveaxis(point.weights > 0.0, 1, -1)
-    inverse, determined = _inverse(_full(coupling.gram, model.weights), used)
-    towards = inverse @ np.moveaxis(coupling.mixed, -1, 1)
+    used = np.moveaxis(fit.weights > 0.0, 1, -1)
+    inverse, determined = _inverse(_full(fit.gram, model.weights), used)
+    towards = inverse @ np.moveaxis(fit.mixed, -1, 1)
     of_weights = inverse + towards @ of_theta @ np.swapaxes(towards, -1, -2)
     good = regular & np.all(determined, axis=0) & (fit.outcome <= Outcome.FINISHED)
     return _Covariance(
@@ -101,8 +100,8 @@ def _error(gradient: np.ndarray, covariance: np.ndarray, known: np.ndarray) -> n
 def reduced_chi_square(model: TexelModel, fit: TexelFit, precisions: Float[np.ndarray, "c n texels"]) -> np.ndarray:
     """Sum of squares over degrees of freedom of each texel, parameters at 0 not counted; NaN where none are left."""
     count = np.count_nonzero(precisions > 0, axis=(0, 1))
-    freedom = count - model.shapes - np.count_nonzero(fit.point.weights > 0, axis=(0, 1))
-    return np.where(freedom > 0, 2.0 * fit.point.cost / np.maximum(freedom, 1), np.nan)
+    freedom = count - model.shapes - np.count_nonzero(fit.weights > 0, axis=(0, 1))
+    return np.where(freedom > 0, 2.0 * fit.cost / np.maximum(freedom, 1), np.nan)
 
 
 def maps_of(
@@ -125,11 +124,11 @@ def maps_of(
     for name, map_ in maps.items():
         blank = np.array([[0.0], [0.0], [1.0]]) if name == "normal" else 0.0
         maps[name] = Map(np.where(nothing, blank, map_.values), map_.errors)
-    return {name: maps[name] for name in layout(model, len(fit.point.weights))}
+    return {name: maps[name] for name in layout(model, len(fit.weights))}
 
 
 def _colors(model: TexelModel, fit: TexelFit, covariance: _Covariance) -> dict[str, Map]:
-    weights, used = np.moveaxis(fit.point.weights, 1, -1), covariance.used
+    weights, used = np.moveaxis(fit.weights, 1, -1), covariance.used
     unit = np.eye(model.weights)
 
     def one(index: int) -> np.ndarray:
@@ -153,7 +152,7 @@ def _colors(model: TexelModel, fit: TexelFit, covariance: _Covariance) -> dict[s
 
 
 def _lobes(model: TexelModel, fit: TexelFit, covariance: _Covariance) -> dict[str, Map]:
-    theta, known = fit.point.theta, covariance.free[:, 0]
+    theta, known = fit.theta, covariance.free[:, 0]
     if not model.anisotropic:
         alpha = np.exp(theta[0])
         return {
@@ -185,7 +184,7 @@ def _lobes(model: TexelModel, fit: TexelFit, covariance: _Covariance) -> dict[st
 
 def _normals(fit: TexelFit, covariance: _Covariance) -> Map:
     """n = (x, y, 1) / l, l² = 1 + x² + y²; dn = (d(x, y, 1) - n <n, d(x, y, 1)>) / l."""
-    x, y = fit.point.theta[-2:]
+    x, y = fit.theta[-2:]
     length = np.sqrt(1.0 + x * x + y * y)
     normal = np.stack([x, y, np.ones_like(x)]) / length
     known = covariance.free[:, -1] & covariance.free[:, -2]

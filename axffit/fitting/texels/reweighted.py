@@ -8,6 +8,7 @@ from functools import partial
 from typing import NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
@@ -43,8 +44,8 @@ def fit_pixels(
     usable = noise.usable(pixels)
     values = np.where(usable, pixels, 0.0)
     first = fit_texels(model, light, values, noise.precisions(values, usable), lanes=lanes)
-    expected = np.asarray(_model_values(model, light, first.point.theta, first.point.weights))
+    expected = np.asarray(_model_values(model, light, jnp.asarray(first.theta), jnp.asarray(first.weights)))
     precisions = noise.precisions(expected, usable)
-    fit = fit_texels(model, light, values, precisions, first.point.theta, lanes)
+    fit = fit_texels(model, light, values, precisions, first.theta, lanes)
     chi_square = reduced_chi_square(model, fit, precisions)
     return FittedTexels(maps_of(model, fit, None if noise.known else chi_square), chi_square, fit.outcome)

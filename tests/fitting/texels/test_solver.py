@@ -107,7 +107,7 @@ def test_answers_are_those_of_optimistix_on_the_full_problem(name):
 
     start = np.concatenate([texels.theta, texels.weights.reshape(-1, 48)])
     theirs = jax.vmap(lane, (-1, -1, -1), -1)(texels.samples.values, texels.samples.precisions, jnp.asarray(start))
-    ours = np.concatenate([fit.point.theta, fit.point.weights.reshape(-1, 48)])
+    ours = np.concatenate([fit.theta, fit.weights.reshape(-1, 48)])
     assert (fit.outcome == Outcome.CONVERGED).all()
     np.testing.assert_allclose(ours, theirs, rtol=1e-6, atol=1e-6)
 
@@ -126,7 +126,7 @@ def test_no_random_start_ends_lower(name):
         starts.append(rng.normal(0, 0.15, texels.theta.shape))
         starts[-1][0] = rng.uniform(np.log(0.03), np.log(0.8), 200)
     for start in starts:
-        assert (fit.point.cost <= fitted(model, texels, start=start).point.cost * (1 + 1e-6)).all()
+        assert (fit.cost <= fitted(model, texels, start=start).cost * (1 + 1e-6)).all()
 
 
 def test_the_finisher_alone_ends_at_the_same_minimum():
@@ -134,7 +134,7 @@ def test_the_finisher_alone_ends_at_the_same_minimum():
     texels = made(model, 16, channels=channels)
     found, converged = finish(model, texels.samples, jnp.asarray(texels.theta))
     assert converged.all()
-    np.testing.assert_allclose(found, fitted(model, texels).point.theta, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(found, fitted(model, texels).theta, rtol=1e-6, atol=1e-6)
 
 
 def test_lanes_that_had_no_steps_are_finished_by_optimistix(monkeypatch):
@@ -145,7 +145,7 @@ def test_lanes_that_had_no_steps_are_finished_by_optimistix(monkeypatch):
     short = fitted(model, texels)
     assert len(ROUNDS) > 1
     assert (short.outcome == Outcome.FINISHED).all()
-    np.testing.assert_allclose(short.point.theta, full.point.theta, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(short.theta, full.theta, rtol=1e-6, atol=1e-6)
 
 
 def test_neighbors_and_missing_samples_change_nothing_else():
@@ -161,9 +161,9 @@ def test_neighbors_and_missing_samples_change_nothing_else():
     assert fit.outcome[3] == Outcome.CONVERGED
     assert fit.outcome[4] == Outcome.TOO_FEW_SAMPLES
     assert fit.outcome[6] == Outcome.CONVERGED
-    assert not fit.point.weights[..., 7].any(), "a black texel reflects nothing"
+    assert not fit.weights[..., 7].any(), "a black texel reflects nothing"
     others = [lane for lane in range(32) if lane not in (3, 4, 6, 7)]
-    np.testing.assert_array_equal(fit.point.theta[:, others], whole.point.theta[:, others])
+    np.testing.assert_array_equal(fit.theta[:, others], whole.theta[:, others])
 
 
 def test_an_unknown_lobe_is_refused():
