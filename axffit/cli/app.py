@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from axffit import __version__
-from axffit.cli import compare, demo, diff, export, fit, import_, inspect, verify
+from axffit.cli import compare, demo, diff, export, fit, fit_maps, import_, inspect, measured, verify
 
 HELP = """What an AxF material reflects, which lobes explain a measurement,
 what a texture format loses.
@@ -45,12 +45,14 @@ def root(*, version: _Version = False) -> None:
 
 for _name, _verb in {
     "inspect": inspect,
+    "measured": measured,
     "diff": diff,
     "export": export,
     "import": import_,
     "verify": verify,
     "compare": compare,
     "fit": fit,
+    "fit-maps": fit_maps,
     "demo": demo,
 }.items():
     app.command(name=_name, help=_verb.HELP)(_verb.command)

@@ -5,16 +5,18 @@ import sys
 
 import pytest
 
-from axffit.cli import compare, demo, diff, dispatch, export, fit, import_, inspect, verify
+from axffit.cli import compare, demo, diff, dispatch, export, fit, fit_maps, import_, inspect, measured, verify
 
 VERBS = {
     "inspect": inspect,
+    "measured": measured,
     "diff": diff,
     "export": export,
     "import": import_,
     "verify": verify,
     "compare": compare,
     "fit": fit,
+    "fit-maps": fit_maps,
     "demo": demo,
 }
 HEAVY = {"jax", "jaxlib", "optimistix", "equinox", "matplotlib", "h5py", "colour", "OpenEXR", "scipy", "numpy"}
