@@ -52,8 +52,8 @@ def verdict_parts(content: Content) -> list[object]:
         table(columns, rows, text_columns=3),
     ]
     parts += [
-        f"reflectance, {row['title']}: {significant(row['found'])} (tolerance {number(row['tolerance'])}), "
-        + ("within" if row["within"] else "OUTSIDE")
+        f"reflectance, {row['title']}: {_bracket(row, content['brdf']['bounds']['reason'])} "
+        f"(tolerance {number(row['tolerance'])}), " + ("within" if row["within"] else "OUTSIDE")
         for row in content["brdf"]["rows"]
     ]
     if not content["brdf"]["evaluated"]:
@@ -66,6 +66,15 @@ def verdict_parts(content: Content) -> list[object]:
     parts += [f"note: {note}" for note in content["notes"]]
     parts += [f"OUTSIDE: {failure}" for failure in content["failures"]]
     return [*parts, content["summary"]]
+
+
+def _bracket(row: Content, reason: str) -> str:
+    """[found, bound], or what was found and why there is no bound."""
+    from axffit.report.numbers import significant
+
+    if row["judged"] == "bound":
+        return f"[found, bound] = [{significant(row['found'])}, {significant(row['bound'])}]"
+    return f"{significant(row['found'])}, found only: {reason}"
 
 
 def judged_parts(document: Content) -> list[object]:

@@ -71,6 +71,7 @@ def run(
     packed: Path | None = None,
     tolerance: Path | None = None,
     material: str | None = None,
+    bounds: bool = True,
     progress: ProgressCallback | None = None,
 ) -> Iterator[Verified]:
     """Verifies materials one after the other; everything that is named is checked before the first.
@@ -83,6 +84,7 @@ def run(
         packed: a folder of textures that another program packed, as `axffit export` lays them out.
         tolerance: a TOML file of tolerances; None takes those of the package.
         material: id of the only material of each file; None takes all.
+        bounds: whether the errors of the reflectance are bounded; without, what was found is judged.
         progress: called with what is being done and how much of it is (0 to 1).
 
     Raises:
@@ -114,10 +116,16 @@ def run(
 
         try:
             if each.packed is not None:
-                verdict = _of_packed(original, each.packed, limits, read_by, stages)
+                verdict = _of_packed(original, each.packed, limits, read_by, stages, bounds=bounds)
             else:
                 verdict = quantization.verify(
-                    original, target or TARGET, limits, packed_for=packed_for, read_by=read_by, progress=stages
+                    original,
+                    target or TARGET,
+                    limits,
+                    packed_for=packed_for,
+                    read_by=read_by,
+                    bounds=bounds,
+                    progress=stages,
                 )
         except InputError as error:
             raise InputError(f"{each.file}: {error}") from error
@@ -127,7 +135,13 @@ def run(
 
 
 def _of_packed(
-    original: "AxfMaterial", folder: Path, limits: "Tolerances", read_by: str | None, progress: ProgressCallback
+    original: "AxfMaterial",
+    folder: Path,
+    limits: "Tolerances",
+    read_by: str | None,
+    progress: ProgressCallback,
+    *,
+    bounds: bool,
 ) -> "Verdict":
     from axffit.quantization import verify_packed
     from axffit.targets.folder import read_packed
@@ -135,7 +149,7 @@ def _of_packed(
 
     packed = read_packed(folder)
     try:
-        return verify_packed(original, packed, limits, read_by=read_by, progress=progress)
+        return verify_packed(original, packed, limits, read_by=read_by, bounds=bounds, progress=progress)
     except (TypeError, KeyError, IndexError, ValueError, OverflowError, ArithmeticError) as error:
         # Values of types and numbers no packing makes; `InputError` is a `ValueError` and says which.
         raise InputError(f"{folder / FILE}: cannot be read as {packed.target} ({error})") from error
@@ -165,6 +179,9 @@ def command(
     material: Annotated[
         str | None, typer.Option(metavar="ID", help="Only this material of each file; without it all.")
     ] = None,
+    no_bounds: Annotated[
+        bool, typer.Option("--no-bounds", help="Judge the reflectance by what is found, and prove nothing: faster.")
+    ] = False,
     json: _options.Json = None,
     junit: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the checks as JUnit XML to this file.")
@@ -176,7 +193,7 @@ def command(
     options = {"target": target, "packed_for": packed_for, "read_by": read_by, "packed": packed}
     options |= {"tolerance": tolerance, "material": material}
     with progress_on_stderr() as progress:
-        verified = run(files, **options, progress=progress)
+        verified = run(files, **options, bounds=not no_bounds, progress=progress)
         from axffit import report
         from axffit.quantization.document import Judged, document
 
@@ -194,7 +211,7 @@ def command(
             results[junit] = report.junit_xml(content)
         if html is not None:
             named = {name.replace("_", "-"): value for name, value in options.items()}
-            made_by = report.Run(_options.command_line("verify", files, named))
+            made_by = report.Run(_options.command_line("verify", files, named) + " --no-bounds" * no_bounds)
             results[html] = report.verdict_page(sections, made_by).html
     write_all(results)
     show(*judged_parts(content))

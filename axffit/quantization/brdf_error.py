@@ -24,6 +24,7 @@ import numpy as np
 from ..axf import AxfMaterial
 from .ascent import ascend
 from .definitions import BATCH, KINDS, Pairs, errors_at, lights_of, normals_of
+from .definitions import RELEVANT as RELEVANT
 from .directions import VIEW_POLAR, even_lights, views
 from .local import local_texels
 from .measures import COLORS

@@ -10,43 +10,12 @@ import numpy as np
 
 from .. import __version__
 from ..targets import PackedTexture, Problem
-from .brdf_error import BrdfErrors, Found
+from .brdf_verdict import BrdfVerdict
+from .checks import Check as Check
 from .diagnosis import Fault
-from .statistics import Statistics, finite_or_none
-from .tolerances import Tolerance
+from .statistics import Statistics
 
 SCHEMA_VERSION = 1
-
-
-@dataclass(frozen=True)
-class Check:
-    """A number and its limit.
-
-    Attributes:
-        name: dotted name of the limit, e.g. ``textures.normal.angle``.
-        value: what was measured.
-        tolerance: the limit, or None for a number that is only reported.
-    """
-
-    name: str
-    value: float
-    tolerance: Tolerance | None
-
-    @property
-    def within(self) -> bool:
-        """Whether the value is allowed."""
-        return self.tolerance is None or self.tolerance.allows(self.value)
-
-    def to_json(self) -> dict[str, Any]:
-        """Limit and outcome as JSON; a limit of infinity is null, as no limit is."""
-        limit = None if self.tolerance is None else finite_or_none(self.tolerance.limit)
-        return {
-            "check": self.name,
-            "statistic": None if self.tolerance is None else self.tolerance.statistic,
-            "tolerance": limit,
-            "reason": "" if self.tolerance is None else self.tolerance.reason,
-            "within": self.within,
-        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,46 +86,6 @@ class LutVerdict:
         return {**self.content, "checks": checks, "within": self.within}
 
 
-_TITLES = {
-    "peak_relative": ("b", "max |f' - f| i_z / max_i (f i_z), peak per view"),
-    "log_ratio": ("c", "max |log f' - log f| where f i_z >= 1e-3 of the view's peak"),
-}
-
-
-@dataclass(frozen=True)
-class BrdfVerdict:
-    """The BRDF level: what was found on a sample of texels and directions (not a bound).
-
-    Attributes:
-        errors: the errors, or None where the model is not evaluated.
-        checks: definitions (b) and (c) with their limits.
-        reason: why there are no errors, or "".
-    """
-
-    errors: BrdfErrors | None
-    checks: tuple[Check, ...]
-    reason: str = ""
-
-    @property
-    def within(self) -> bool:
-        """Whether both definitions are within their limits."""
-        return all(check.within for check in self.checks)
-
-    def to_json(self) -> dict[str, Any]:
-        """One row a definition, and how large the sample was."""
-        content: dict[str, Any] = {"evaluated": self.errors is not None, "reason": self.reason, "within": self.within}
-        if self.errors is None:
-            return {**content, "rows": [], "strip": None, "sample": None}
-        rows = []
-        for check in self.checks:
-            name = check.name.removeprefix("brdf.")
-            found: Found = getattr(self.errors, name)
-            definition, title = _TITLES[name]
-            rows.append({"definition": definition, "name": name, "title": title, **found.to_json(), **check.to_json()})
-        sample = {"texels": self.errors.texels, "views": self.errors.views, "lights": self.errors.lights}
-        return {**content, "rows": rows, "strip": self.errors.strip.to_json(), "sample": {**sample, "kind": "found"}}
-
-
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """What a target's textures lose of a material, against the tolerances.
@@ -208,7 +137,7 @@ class Verdict:
     def failures(self) -> tuple[str, ...]:
         """What is outside, one line each, named faults first; empty when within."""
         outside = [
-            f"{check.name}: {check.value:.4g} > {check.tolerance.limit:.4g}"
+            f"{check.name}: {check.value:.4g} > {check.tolerance.limit:.4g}{self.brdf.basis(check)}"
             for check in self.checks()
             if check.tolerance is not None and not check.within
         ]

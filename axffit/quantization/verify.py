@@ -14,14 +14,16 @@ from ..targets.encoding import decode_rows
 from ..targets.table import SLICE_TABLE
 from . import diagnosis, mismatch
 from .brdf_error import brdf_errors
+from .brdf_verdict import BrdfVerdict
 from .diagnosis import Fault
 from .maps import MapErrors, map_errors
+from .material_bounds import MaterialBounds, material_bounds
 from .measures import has_color_science
 from .samples import sample_texels
 from .slice_lut import lut_json
 from .tiles import centers, of_packed_texels, of_texels
-from .tolerances import BRDF_CHECKS, Tolerances, default_tolerances, read_tolerances
-from .verdict import BrdfVerdict, Check, LutVerdict, TextureVerdict, Verdict
+from .tolerances import Tolerances, default_tolerances, read_tolerances
+from .verdict import Check, LutVerdict, TextureVerdict, Verdict
 
 Progress = Callable[[str, float], None]
 """Called with what is being done and how much of it is (0 to 1)."""
@@ -39,6 +41,7 @@ def verify(
     read_by: str | None = None,
     formats: Mapping[str, str] | None = None,
     rounding: str | None = None,
+    bounds: bool = True,
     progress: Progress | None = None,
 ) -> Verdict:
     """What a target's textures lose of a material, and whether that is within tolerance.
@@ -51,6 +54,7 @@ def verify(
         read_by: the target whose shader reads, where it is another one; None takes ``target``.
         formats: AxF texture name to a number format other than the advised one.
         rounding: rounding mode of the encoders; None takes the target's own.
+        bounds: whether the errors of the reflectance are bounded; without, what was found is judged, in less time.
         progress: called with what is being done and how much of it is (0 to 1).
 
     Raises:
@@ -62,7 +66,7 @@ def verify(
     report = progress or (lambda stage, fraction: None)
     report("packing textures", 0.0)
     packed = packer.pack(material, formats=formats, rounding=rounding)
-    return verify_packed(material, packed, tolerances, read_by=reader, progress=progress)
+    return verify_packed(material, packed, tolerances, read_by=reader, bounds=bounds, progress=progress)
 
 
 def verify_packed(
@@ -71,6 +75,7 @@ def verify_packed(
     tolerances: Tolerances | None = None,
     *,
     read_by: str | None = None,
+    bounds: bool = True,
     progress: Progress | None = None,
 ) -> Verdict:
     """The same for a material that someone packed: every texture is read as the target's shader would read it.
@@ -80,6 +85,7 @@ def verify_packed(
         packed: its textures and values for a target.
         tolerances: limits; None takes those of the package.
         read_by: the target whose shader reads; None takes the one it was packed for.
+        bounds: as in `verify`.
         progress: as in `verify`.
 
     Raises:
@@ -124,7 +130,7 @@ def verify_packed(
         packed_for=packer.NAME,
         textures=textures,
         lut=_lut_verdict(material, packed, module, tolerances),
-        brdf=_brdf_verdict(material, packed, module, errors, tolerances, report),
+        brdf=_brdf_verdict(material, packed, module, errors, tolerances, report, bounds=bounds),
         problems=tuple(problems),
         faults=tuple(faults),
         values=packed.values,
@@ -239,6 +245,8 @@ def _brdf_verdict(
     errors: Mapping[str, MapErrors],
     tolerances: Tolerances,
     report: Progress,
+    *,
+    bounds: bool,
 ) -> BrdfVerdict:
     report("measuring the reflectance", 0.0)
     by_axf = {packed.textures[name].axf_name: e for name, e in errors.items()}
@@ -247,8 +255,10 @@ def _brdf_verdict(
         some, seen = of_texels(material, uv), module.unpack(of_packed_texels(packed, material, uv))
         with jax.enable_x64(new_val=True):
             found = brdf_errors(some, seen, centers(len(uv)), lambda done: report("measuring the reflectance", done))
-        found = found.placed(uv)
+        proved = MaterialBounds((), 0, "left out on request")
+        if bounds:
+            report("bounding the reflectance", 0.0)
+            proved = material_bounds(material, packed, lambda done: report("bounding the reflectance", done))
     except InputError as error:
-        return BrdfVerdict(None, (), str(error))
-    checks = tuple(Check(f"brdf.{n}", getattr(found, n).value, tolerances.get(f"brdf.{n}")) for n in BRDF_CHECKS)
-    return BrdfVerdict(found, checks)
+        return BrdfVerdict(None, None, (), str(error))
+    return BrdfVerdict.judged(found.placed(uv), proved, tolerances)

@@ -16,7 +16,8 @@ def junit_xml(document: Content) -> str:
 
     A suite is named after its file and material. Its cases are, in this order: ``faults`` and ``obligations`` (each one
     case, so that it stays the same one from run to run), then each texture's checks, the slice table's, and the
-    reflectance's, by the names tolerance files use. A level that was not evaluated is skipped with its reason.
+    reflectance's, by the names tolerance files use. What was found and proved of the reflectance, or why nothing is
+    proved, is each case's output. A level that was not evaluated is skipped with its reason.
     """
     root = ElementTree.Element("testsuites", name="axffit verify")
     for entry in document["materials"]:
@@ -31,8 +32,11 @@ def _add_suite(root: ElementTree.Element, entry: Content) -> None:
     id = verdict["material"]["id"]
     suite = ElementTree.SubElement(root, "testsuite", name=_text(f"{entry['file']}: {id}"))
     classname = _text(f"{id}.{verdict['target']}")
+    proofs = _proofs(verdict["brdf"])
     for name, failures in _messages(verdict):
         case = ElementTree.SubElement(suite, "testcase", classname=classname, name=_text(name))
+        if name in proofs:
+            ElementTree.SubElement(case, "system-out").text = _text(proofs[name])
         if failures:
             failure = ElementTree.SubElement(case, "failure", message=_text(failures[0]))
             failure.text = _text("\n".join(failures))
@@ -62,7 +66,17 @@ def _messages(verdict: Content) -> Iterator[tuple[str, list[str]]]:
             yield check["check"], _failure(check, check["found"], "entries")
     for row in verdict["brdf"]["rows"]:
         if row["tolerance"] is not None:
-            yield row["check"], _failure(row, row["found"], row["title"])
+            yield row["check"], _failure(row, row[row["judged"]], f"{row['title']} ({row['judged']})")
+
+
+def _proofs(brdf: Content) -> dict[str, str]:
+    """What was found and what is proved, or why nothing is, by the names of the checks."""
+    proofs = {}
+    for row in brdf["rows"]:
+        found, bound = ("infinite" if row[end] is None else f"{row[end]:.4g}" for end in ("found", "bound"))
+        only = f"found {found}, no bound: {brdf['bounds']['reason']}"
+        proofs[row["check"]] = only if row["judged"] == "found" else f"[found, bound] = [{found}, {bound}]"
+    return proofs
 
 
 def _failure(check: Content, found: float | None, what: str) -> list[str]:

@@ -53,6 +53,7 @@ def verify_view(content: Mapping[str, Any]) -> dict[str, Any]:
         "textures": sorted(textures, key=lambda row: row["defaulted"]),
         "reflectance": [_reflectance(row) for row in result["brdf"]["rows"]],
         "reflectance_note": _reflectance_note(result["brdf"]),
+        "classes": _classes(result["brdf"]),
         "lut": None if result["lut"] is None else _lut(result["lut"]),
         "reasons": _reasons(result),
         "flags": result["flags"],
@@ -190,24 +191,45 @@ def _reflectance(row: Mapping[str, Any]) -> dict[str, Any]:
         "definition": row["definition"],
         "title": title,
         "formula": formula,
-        "found": "∞" if row["found"] is None else percent(row["found"]),
+        "found": _share(row["found"]),
+        "bound": _share(row["bound"]) if row["judged"] == "bound" else MISSING,
         "tolerance": MISSING if limit is None else f"{number(100 * limit)}\u00a0%",
         "within": row["within"],
         "judged": limit is not None,
     }
 
 
+def _share(value: float | None) -> str:
+    return "∞" if value is None else percent(value)
+
+
 def _reflectance_note(brdf: Mapping[str, Any]) -> str:
     if not brdf["evaluated"]:
         return f"Not evaluated: {brdf['reason']}"
-    sample = brdf["sample"]
-    strip = brdf["strip"]["found"]
-    return (
-        f"Largest found over {count(sample['texels'])} texels (the worst of each map among them), {sample['views']} "
-        f"views and {count(sample['lights'])} lights each, all at least 1° above the horizon: found, not a bound. "
-        f"Within 1° of a tilted normal's horizon, where f jumps to 0: {'∞' if strip is None else percent(strip)} "
-        "of the peak."
+    sample, bounds = brdf["sample"], brdf["bounds"]
+    found = (
+        f"Found: {count(sample['ascents'])} ascents for each from the worst of {count(sample['texels'])} texels, "
+        f"{sample['views']} views and {count(sample['lights'])} lights each, at least 1° above the horizon. "
     )
+    if bounds["reason"]:
+        proved = f"Judged is what was found; no bound is proved: {bounds['reason']}. "
+    else:
+        groups, cells = len(bounds["classes"]), count(bounds["cells"])
+        proved = f"Bound: proved for every texel, view and light, by {groups} groups of {cells} texel classes; judged. "
+    return f"{found}{proved}Nearer to the horizon, where f jumps to 0: {_share(brdf['strip']['found'])} of the peak."
+
+
+def _classes(brdf: Mapping[str, Any]) -> list[dict[str, str]]:
+    """The groups of texel classes: how many texels, how rough, and their brackets."""
+    rows = []
+    for each in (brdf["bounds"] or {"classes": []})["classes"]:
+        brackets = [f"{_share(each[kind]['found'])} – {_share(each[kind]['bound'])}" for kind in BRDF_ROWS]
+        ranges = [each["ranges"]["roughness"], each["ranges"]["roughness_y"]]
+        roughness = " × ".join(f"{number(low, 3)} – {number(high, 3)}" for low, high in filter(None, ranges))
+        channel = MISSING if each["channel"] is None else ("red", "green", "blue")[each["channel"]]
+        first = roughness if each["channel"] is None else channel
+        rows.append({"texels": count(each["items"]), "which": first, "b": brackets[0], "c": brackets[1]})
+    return rows
 
 
 def _lut(lut: Mapping[str, Any]) -> dict[str, Any]:

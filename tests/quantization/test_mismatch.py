@@ -14,6 +14,8 @@ from axffit.quantization.verdict import schema
 from axffit.targets import TARGETS
 from tests.targets.materials import paint, ward, with_texture
 
+pytestmark = pytest.mark.usefixtures("found_only")
+
 ROTATION = "_SVBRDF_AnisoRotationMap"
 
 

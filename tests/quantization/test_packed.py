@@ -17,6 +17,8 @@ from axffit.textures.unorm import linear_to_srgb, srgb_to_linear
 from tests.quantization.test_verify import changed
 from tests.targets.materials import MATERIALS, paint, ward, with_texture
 
+pytestmark = pytest.mark.usefixtures("found_only")
+
 LUT = "_CarPaint_thetaFI_sliceLUTMap"
 
 

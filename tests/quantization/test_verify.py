@@ -13,10 +13,16 @@ from hypothesis import strategies as st
 
 from axffit.errors import InputError
 from axffit.quantization import Tolerance, Tolerances, default_tolerances, verify, verify_packed
+from axffit.quantization.bounds import Bracket, TexelClass
+from axffit.quantization.brdf_verdict import BrdfVerdict
+from axffit.quantization.definitions import KINDS, Kind
+from axffit.quantization.material_bounds import BoundedClass, MaterialBounds
 from axffit.quantization.verdict import schema
 from axffit.targets import unity_2018
 from axffit.textures.unorm import linear_to_srgb
 from tests.targets.materials import MATERIALS, paint, texture, ward, with_texture, without
+
+pytestmark = pytest.mark.usefixtures("found_only")
 
 NORMAL, LUT, FLAKES = "_SVBRDF_NormalMap", "_CarPaint_thetaFI_sliceLUTMap", "_CarPaint_BTFFlakesMap_sRGB"
 
@@ -222,6 +228,51 @@ def test_a_wider_tolerance_never_turns_within_into_outside(factor, more, name):
         assert a.within <= b.within
 
 
+def bounded(monkeypatch, bound):
+    """Every material has this bound of both errors."""
+    brackets: dict[Kind, Bracket] = {kind: Bracket(0.5 * bound, bound, 1) for kind in KINDS}
+    group = BoundedClass(TexelClass(1e-5), 768, None, brackets)
+    module = sys.modules["axffit.quantization.verify"]
+    monkeypatch.setattr(module, "material_bounds", lambda *_: MaterialBounds((group,), 12))
+
+
+def test_the_bound_is_judged_where_there_is_one(monkeypatch):
+    bounded(monkeypatch, 0.02)
+    verdict = verify(ward())
+    assert [check.value for check in verdict.brdf.checks] == [0.02, 0.02]
+    assert verdict.failures() == ("brdf.peak_relative: 0.02 > 0.01 (bound)",)
+    content = json.loads(json.dumps(verdict.to_json(), allow_nan=False))
+    jsonschema.validate(content, schema())
+    peak, ratio = content["brdf"]["rows"]
+    assert (peak["judged"], peak["bound"], peak["within"]) == ("bound", 0.02, False)
+    assert (ratio["judged"], ratio["within"]) == ("bound", True)
+    assert 0 < peak["found"] < 0.02
+    (group,) = content["brdf"]["bounds"]["classes"]
+    assert (group["items"], group["log_ratio"]["found"], group["log_ratio"]["bound"]) == (768, 0.01, 0.02)
+
+
+def test_a_bound_without_end_is_outside(monkeypatch):
+    bounded(monkeypatch, np.inf)
+    verdict = verify(ward())
+    assert not verdict.within
+    content = json.loads(json.dumps(verdict.to_json(), allow_nan=False))
+    jsonschema.validate(content, schema())
+    assert content["brdf"]["rows"][0]["bound"] is None
+    assert content["brdf"]["rows"][0]["judged"] == "bound"
+
+
+def test_without_a_bound_what_was_found_is_judged_and_the_reason_is_given():
+    verdict = verify(ward(), tolerance=Tolerances({"brdf.log_ratio": Tolerance(1e-9)}))
+    (failure,) = verdict.failures()
+    assert failure.startswith("brdf.log_ratio: 0.0")
+    assert failure.endswith("> 1e-09 (found only)")
+    content = verdict.to_json()["brdf"]
+    assert content["rows"][0]["judged"] == "found"
+    assert content["rows"][0]["bound"] is None
+    assert content["bounds"]["reason"] == "left out by a test"
+    assert verify(ward(), bounds=False).to_json()["brdf"]["bounds"]["reason"] == "left out on request"
+
+
 def test_tolerances_decide(tmp_path):
     path = tmp_path / "strict.toml"
     path.write_text("[textures.normal.angle]\nlimit = 1e-6\n", encoding="utf-8")
@@ -241,11 +292,13 @@ def test_without_the_color_extra_the_verdict_says_what_is_missing(monkeypatch):
     assert not [check for check in verdict.checks() if "delta_e" in check.name]
 
 
-def test_progress_runs_through_three_stages():
+def test_progress_runs_through_its_stages(monkeypatch):
     seen = []
+    monkeypatch.setattr(sys.modules["axffit.quantization.verify"], "material_bounds", lambda *args: args[-1](1.0))
+    monkeypatch.setattr(BrdfVerdict, "judged", lambda *_: BrdfVerdict(None, None, ()))
     verify(paint(), progress=lambda stage, fraction: seen.append((stage, fraction)))
     assert list(dict.fromkeys(stage for stage, _ in seen)) == [
-        "packing textures", "measuring map errors", "measuring the reflectance",
+        "packing textures", "measuring map errors", "measuring the reflectance", "bounding the reflectance",
     ]  # fmt: skip
     assert all(0 <= fraction <= 1 for _, fraction in seen)
     assert seen[-1][1] == 1.0
