@@ -22,16 +22,19 @@ def main() -> None:
         carbon = axf.read(packages / "brushed_carbon" / "brushed_carbon.axf").material()
         samples_file = packages / "noisy_car_paint" / "noisy_car_paint.mbsdf"
         table, samples = mbsdf.interpolant(samples_file), measured.read(samples_file)
-    packed = unity_2018.unpack(unity_2018.pack(carbon))
+    packed = unity_2018.pack(carbon)
     fitted = fitting.fit("carpaint+coat", samples)
     if fitted.model is None or fitted.metrics is None:
         raise RuntimeError(f"the bundled samples were not fitted: {fitted.outcome.value}")
     error = 100 * fitted.metrics.relative_cosine_rms
     spheres = [
-        ("an AxF material", preview.render_sphere(axf.to_brdf(carbon), size=SIZE, textured=True, repeats=2.0)),
-        ("packed for Unity", preview.render_sphere(axf.to_brdf(packed), size=SIZE, textured=True, repeats=2.0)),
-        ("a sampled car paint, 1 % noise", preview.render_layers(table, size=SIZE).base),
-        (f"lobes and color table fitted, {error:.1f} % off", preview.render_layers(fitted.model, size=SIZE).base),
+        ("an AxF material", preview.render_sphere(carbon, size=SIZE, repeats=2.0)),
+        ("packed for Unity", preview.render_sphere(packed, size=SIZE, repeats=2.0)),
+        ("a sampled car paint, 1 % noise", preview.render_scene(table, preview.sphere_scene(SIZE)).base),
+        (
+            f"lobes and color table fitted, {error:.1f} % off",
+            preview.render_scene(fitted.model, preview.sphere_scene(SIZE)).base,
+        ),
     ]
     figure = Figure(figsize=(4 * 3.2, 3.6), dpi=100)
     FigureCanvasAgg(figure)

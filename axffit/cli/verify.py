@@ -187,12 +187,17 @@ def command(
         Path | None, typer.Option(metavar="FILE", help="Write the checks as JUnit XML to this file.")
     ] = None,
     html: _options.Html = None,
+    pictures: Annotated[
+        bool,
+        typer.Option("--pictures/--no-pictures", help="Whether the page shows spheres and a body: they take time."),
+    ] = True,
 ) -> None:
     """The verb as typer calls it; see `HELP`."""
     check_outputs([json, junit, html], axf_files(files))
     options = {"target": target, "packed_for": packed_for, "read_by": read_by, "packed": packed}
     options |= {"tolerance": tolerance, "material": material}
     with progress_on_stderr() as progress:
+        progress("reading files", 0.0)
         verified = run(files, **options, bounds=not no_bounds, progress=progress)
         from axffit import report
         from axffit.quantization.document import Judged, document
@@ -202,7 +207,8 @@ def command(
             judged.append(Judged.of(item.verdict, item.file, item.packed))
             if html is not None:
                 progress("drawing the page", 0.0)
-                sections.append(report.VerifiedMaterial(item.verdict, item.material).section())
+                shown = item.material if pictures else None
+                sections.append(report.VerifiedMaterial(item.verdict, shown).section())
         content = document(judged)
         results: Results = {}
         if json is not None:
@@ -211,7 +217,11 @@ def command(
             results[junit] = report.junit_xml(content)
         if html is not None:
             named = {name.replace("_", "-"): value for name, value in options.items()}
-            made_by = report.Run(_options.command_line("verify", files, named) + " --no-bounds" * no_bounds)
+            made_by = report.Run(
+                _options.command_line("verify", files, named)
+                + " --no-bounds" * no_bounds
+                + " --no-pictures" * (not pictures)
+            )
             results[html] = report.verdict_page(sections, made_by).html
     write_all(results)
     show(*judged_parts(content))

@@ -6,6 +6,7 @@ import numpy as np
 from axffit._types import RGB, Direction
 from axffit.brdf import AbstractBRDF, ClearCoat
 from axffit.frames import dot, reflect, tangent_frame, to_local, to_world
+from axffit.numerics import normalize
 from axffit.preview.environment import AbstractEnvironment
 from axffit.preview.sampling import (
     Samples,
@@ -30,7 +31,8 @@ def reflected_radiance(
     """
     lobe_frame = tangent_frame(lobe_normal)
     view = to_local(lobe_frame, wo)
-    view = jnp.where(view[2] > 0.02, view, jnp.array([0.0, 0.0, 1.0], wo.dtype))
+    # Lower views only steer the samples as if they were this high.
+    view = normalize(view.at[2].set(jnp.maximum(view[2], 0.02)))
     drawn = [to_world(lobe_frame[None], sample_visible_lobe(view, r, samples.lobe)) for r in samples.lobe_roughness]
     drawn.append(sample_cosine(samples.cosine))
     drawn.extend(to_local(frame[None], light.sample(samples.light)) for light in environment.lights)

@@ -1,6 +1,7 @@
-"""Pictures of a page as data URIs: error maps on a color scale, spheres."""
+"""Pictures of a page as data URIs: error maps on a color scale, materials before and after."""
 
 import base64
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -11,20 +12,29 @@ import numpy as np
 from axffit import axf
 from axffit.brdf import AbstractBRDF
 from axffit.preview import (
+    AbstractEnvironment,
+    Studio,
+    SunSky,
+    body_scene,
     difference_to_display,
     display_steps,
+    encode_srgb,
     indexed_png_bytes,
     png_bytes,
-    render_layers,
-    render_sphere,
+    render_scene,
+    render_scenes,
+    sphere_scene,
     to_display,
+    tone_curve,
 )
+from axffit.quantization.images import image_errors
+from axffit.targets import PackedMaterial
 
 LARGEST_SIDE = 128
 """Error maps are shown with at most this many pixels a side."""
 
 SMALLEST_GAIN, LARGEST_GAIN = 8.0, 4096.0
-"""The difference of two spheres is amplified by the largest power of two between these that keeps most on scale."""
+"""Differences are shown at the first, and at the largest power of two up to the second that keeps most on scale."""
 
 LARGEST_COST = 20_000
 """Operations a pair of directions: a coated car paint takes about 700, a neural encoding 2000."""
@@ -32,8 +42,17 @@ LARGEST_COST = 20_000
 MOST = 0.995
 """Part of the pixels that the amplified difference keeps on scale."""
 
-TEXTURE_REPEATS = 2.0
-"""How often a texture repeats over half the sphere's circumference."""
+TEXTURE_REPEATS, FLAKE_REPEATS = 2.0, 4.0
+"""How often textures of an SVBRDF, and a car paint's flakes, repeat over half the sphere's circumference."""
+
+BODY_WIDTH = 1.75
+"""Width of the body's picture over that of the sphere's."""
+
+SHAPES = {"sphere": "Sphere", "body": "Car-body-like shape"}
+LIGHTS: dict[str, tuple[str, Callable[[], AbstractEnvironment]]] = {
+    "studio": ("in a studio", Studio),
+    "sun_sky": ("under sun and sky", SunSky),
+}
 
 PALETTE = np.round(255 * matplotlib.colormaps["viridis"](np.linspace(0.0, 1.0, 256))[:, :3]).astype(np.uint8)
 
@@ -77,38 +96,61 @@ def color_scale_css() -> str:
     return f"linear-gradient(90deg, {stops})"
 
 
-class Spheres(NamedTuple):
-    """Spheres of a material before and after, and what became of the light."""
+class Pair(NamedTuple):
+    """A picture of a material before and after packing."""
 
+    facts: dict[str, Any]
+    """JSON: shape, light, size, gain of the amplified difference, its largest value and what 99.5 % of the pixels do
+    not exceed (8-bit steps of the display), FLIP, dE2000 and PSNR."""
     uris: dict[str, str]
-    """"before", "after" and "difference"."""
-    gain: float
-    """Amplification of the difference."""
-    largest: float
-    """Largest difference in 8-bit steps of the display, before rounding to them."""
-    most: float
-    """What 99.5 % of the picture's pixels do not exceed, in the same steps."""
+    """"before", "after", "difference" (8 times) and "amplified" (``facts["gain"]`` times)."""
 
 
-def material_spheres(before: axf.AxfMaterial, after: axf.AxfMaterial, *, size: int) -> Spheres:
-    """Spheres of a material before and after packing and their amplified difference."""
-    textured = before.kind is axf.MaterialKind.SVBRDF
-    repeats = TEXTURE_REPEATS if textured else 1.0
-    radiance = [render_sphere(axf.to_brdf(m), size=size, textured=textured, repeats=repeats) for m in (before, after)]
-    steps = display_steps(*radiance)
-    most = float(np.quantile(steps, MOST))
-    gain = SMALLEST_GAIN
-    while gain < LARGEST_GAIN and 2 * gain * most <= 255:
-        gain *= 2
-    shown = [*(to_display(x) for x in radiance), difference_to_display(*radiance, gain=gain)]
-    names = ("before", "after", "difference")
-    uris = {name: data_uri(png_bytes(picture)) for name, picture in zip(names, shown, strict=True)}
-    return Spheres(uris, gain, float(steps.max()), most)
+def material_pictures(before: axf.AxfMaterial, after: PackedMaterial, *, size: int) -> list[Pair]:
+    """A sphere of ``size`` pixels and a body, each in a studio and under sun and sky, before and after packing.
+
+    The errors are those of the pixels that the shape covers, as the display shows them before rounding to 8 bits.
+    """
+    repeats = TEXTURE_REPEATS if before.kind is axf.MaterialKind.SVBRDF else FLAKE_REPEATS
+    scenes = {"sphere": sphere_scene(size), "body": body_scene(2 * round(0.5 * BODY_WIDTH * size))}
+    pairs = []
+    for light, (_, environment) in LIGHTS.items():
+        drawn, seen = (
+            render_scenes(shown, list(scenes.values()), environment(), repeats=repeats) for shown in (before, after)
+        )
+        for (shape, scene), *both in zip(scenes.items(), drawn, seen, strict=True):
+            one, other = (each.coated for each in both)
+            given, packed = (encode_srgb(tone_curve(x)) for x in (one, other))
+            errors = image_errors(given, packed, scene.coverage > 0.0)
+            steps = display_steps(one, other)
+            most = float(np.quantile(steps, MOST))
+            gain = SMALLEST_GAIN
+            while gain < LARGEST_GAIN and 2 * gain * most <= 255:
+                gain *= 2
+            height, width = one.shape[:2]
+            facts = {
+                "shape": shape,
+                "light": light,
+                "width": width,
+                "height": height,
+                "difference_gain": gain,
+                "largest_steps": float(steps.max()),
+                "most_steps": most,
+                **errors.to_json(),
+            }
+            shown = {
+                "before": to_display(one),
+                "after": to_display(other),
+                "difference": difference_to_display(one, other, gain=SMALLEST_GAIN),
+                "amplified": difference_to_display(one, other, gain=gain),
+            }
+            pairs.append(Pair(facts, {name: data_uri(png_bytes(picture)) for name, picture in shown.items()}))
+    return pairs
 
 
 def spheres(brdf: AbstractBRDF, *, size: int) -> tuple[str, str]:
     """Spheres of one BRDF, without and with the reflection in its coat."""
-    base, coated = render_layers(brdf, size=size)
+    base, coated = render_scene(brdf, sphere_scene(size))
     return data_uri(png_bytes(to_display(base))), data_uri(png_bytes(to_display(coated)))
 
 

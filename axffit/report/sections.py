@@ -14,7 +14,9 @@ from axffit.axf import AxfMaterial
 from axffit.brdf import AbstractBRDF, ClearCoat
 from axffit.measured import Measurements
 from axffit.report import curves, pictures, plots
-from axffit.targets import PackedMaterial, target_named
+from axffit.targets import PackedMaterial, PackedTexture, target_named
+from axffit.targets.encoding import encode_level
+from axffit.targets.table import SLICE_TABLE
 
 if TYPE_CHECKING:
     from axffit.fitting import Comparison, FitResult
@@ -42,7 +44,7 @@ class VerifiedMaterial:
 
     Attributes:
         verdict: of `axffit.quantization.verify`.
-        material: the original, for the spheres; None leaves them out.
+        material: the original, for the pictures; None leaves them out.
     """
 
     verdict: "Verdict"
@@ -57,26 +59,40 @@ class VerifiedMaterial:
             picture = pictures.error_map_picture(errors)
             shown[f"error {name}"] = picture.uri
             maps[name] = {"largest": picture.largest, "texels_per_pixel": picture.block}
-        spheres: dict[str, Any] | None = None
+        pairs = []
         if self.material is not None and verdict.brdf.errors is not None:
-            made = pictures.material_spheres(self.material, _as_packed(verdict, self.material), size=sphere_size)
-            shown |= {f"sphere {name}": uri for name, uri in made.uris.items()}
-            spheres = {"difference_gain": made.gain, "largest_steps": made.largest, "most_steps": made.most}
+            pairs = pictures.material_pictures(
+                self.material, _as_packed(verdict, self.material), size=max(2, 5 * sphere_size // 8)
+            )
+        for number, pair in enumerate(pairs):
+            shown |= {f"{name} {number}": uri for name, uri in pair.uris.items()}
         content = {
             "kind": "verify",
             "title": verdict.name or verdict.id,
             "result": verdict.to_json(),
             "error_maps": maps,
-            "spheres": spheres,
+            "pictures": [pair.facts for pair in pairs],
         }
         return Section(content, shown)
 
 
-def _as_packed(verdict: "Verdict", material: AxfMaterial) -> AxfMaterial:
-    """The material as the target's shader sees it, without its flakes."""
-    textures = {t.packed.name: t.packed for t in verdict.textures if t.packed.axf_name != "btfflakes"}
-    packed = PackedMaterial(verdict.target, verdict.id, verdict.name, material.kind, textures, verdict.values)
-    return target_named(verdict.target).unpack(packed)
+def _as_packed(verdict: "Verdict", material: AxfMaterial) -> PackedMaterial:
+    """The material as the target's shader has it."""
+    textures = {t.packed.name: t.packed for t in verdict.textures}
+    if verdict.lut is not None:
+        textures[verdict.lut.content["name"]] = _slice_table(verdict)
+    return PackedMaterial(verdict.target, verdict.id, verdict.name, material.kind, textures, verdict.values)
+
+
+def _slice_table(verdict: "Verdict") -> PackedTexture:
+    """The table as it is meant: pictures show what the textures lose, the verdict which entries are misread."""
+    assert verdict.lut is not None
+    content = verdict.lut.content
+    entries = np.asarray(content["entries"], np.float64).reshape(1, -1, 1)
+    table = PackedTexture(content["name"], SLICE_TABLE, content["format"], "nearest_even", (entries,), 1)
+    reading = target_named(verdict.target).reading(table, verdict.values)
+    codes, _ = encode_level(entries, reading, table.number_format, table.rounding)
+    return replace(table, levels=(codes,))
 
 
 @dataclass(frozen=True, eq=False)

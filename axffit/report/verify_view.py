@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from axffit.report.numbers import MISSING, count, number, percent, significant
+from axffit.report.pictures import LIGHTS, SHAPES, SMALLEST_GAIN
 from axffit.report.summary import engines
 
 TEXTURES = {
@@ -61,7 +62,7 @@ def verify_view(content: Mapping[str, Any]) -> dict[str, Any]:
         "notes": result["notes"],
         "tolerances": result["tolerances"],
         "bytes": _size(sum(row["bytes"] for row in result["textures"])),
-        "spheres": None if content["spheres"] is None else _spheres(content["spheres"]),
+        "pictures": [_pair(facts) for facts in content["pictures"]],
     }
 
 
@@ -72,12 +73,29 @@ def _reasons(result: Mapping[str, Any]) -> list[tuple[str, str]]:
     return list({check["check"]: (check["check"], check["reason"]) for check in checks if check["reason"]}.values())
 
 
-def _spheres(spheres: Mapping[str, Any]) -> dict[str, str]:
-    largest, most = (significant(spheres[name], 2) for name in ("largest_steps", "most_steps"))
+def _pair(facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Titles, captions and numbers of a picture before and after."""
+    largest, most = (significant(facts[name], 2) for name in ("largest_steps", "most_steps"))
+    gain = facts["difference_gain"]
     return {
-        "title": f"Difference × {number(spheres['difference_gain'], 4)}",
-        "caption": f"of a display's 8-bit steps: {largest} at most, below {most} in 99.5 % of the picture",
+        "title": f"{SHAPES[facts['shape']]} {LIGHTS[facts['light']][0]}",
+        "size": (facts["width"], facts["height"]),
+        "amplified": f"Difference × {number(gain, 4)}" if gain > SMALLEST_GAIN else None,
+        "steps": f"of a display's 8-bit steps: {largest} at most, below {most} in 99.5 % of the picture",
+        "numbers": [
+            *_of_pixels("FLIP", facts["flip"]),
+            *_of_pixels("ΔE 2000", facts["delta_e_2000"]),
+            ("PSNR", "∞" if facts["psnr_db"] is None else f"{number(facts['psnr_db'], 3)} dB"),
+        ],
     }
+
+
+def _of_pixels(name: str, summary: Mapping[str, float] | None) -> list[tuple[str, str]]:
+    """Mean, 99 % and maximum of a measure; nothing where it was not taken."""
+    if summary is None:
+        return []
+    mean, p99, largest = (significant(summary[key], 2) for key in ("mean", "p99", "max"))
+    return [(name, f"{mean} mean, {p99} in 99 % of the pixels, {largest} max")]
 
 
 def _sentence(result: Mapping[str, Any]) -> str:

@@ -12,13 +12,13 @@ SPHERE_SIZE = 24
 
 @pytest.fixture(autouse=True)
 def small_spheres(monkeypatch):
-    """Spheres of few pixels, whoever asks for them."""
-    spheres, material_spheres = pictures.spheres, pictures.material_spheres
+    """Pictures of few pixels, whoever asks for them."""
+    spheres, material_pictures = pictures.spheres, pictures.material_pictures
     monkeypatch.setattr(pictures, "spheres", lambda brdf, *, size: spheres(brdf, size=min(size, SPHERE_SIZE)))
     monkeypatch.setattr(
         pictures,
-        "material_spheres",
-        lambda before, after, *, size: material_spheres(before, after, size=min(size, SPHERE_SIZE)),
+        "material_pictures",
+        lambda before, after, *, size: material_pictures(before, after, size=min(size, SPHERE_SIZE)),
     )
 
 
