@@ -14,7 +14,8 @@ _WIDEST_LOG_ROUGHNESS = 1.0
 _CHANNELS = ("R", "G", "B")
 
 
-def _channel_name(name: str, channel: int, count: int) -> str:
+def channel_name(name: str, channel: int, count: int) -> str:
+    """``name`` with R, G or B, or with a number, where there are several channels."""
     return name if count == 1 else f"{name} {_CHANNELS[channel] if count == 3 else channel}"
 
 
@@ -34,16 +35,18 @@ class Estimates(NamedTuple):
         return {"parameters": self.parameters, "correlations": self.correlations}
 
 
-class _Estimator:
+class LinearEstimator:
     """Makes estimates from one covariance; ``conditional`` turns identified parameters into conditional ones."""
 
     def __init__(self, covariance: Covariance, *, conditional: bool):
+        """No estimate yet."""
         self.covariance = covariance
         self.conditional = conditional
         self.found: list[ParameterEstimate] = []
         self.gradients: list[np.ndarray] = []
 
     def unit(self, index: int) -> np.ndarray:
+        """Gradient (P,) of the parameter ``index`` of the covariance."""
         return np.eye(len(self.covariance.free))[index]
 
     def estimate(
@@ -57,6 +60,7 @@ class _Estimator:
         at_bound: bool = False,
         undetermined: bool = False,
     ) -> None:
+        """Add an estimate that is linear in the covariance's parameters, ``gradient`` (P,)."""
         touched = gradient != 0
         lost = not np.all(self.covariance.determined[touched & self.covariance.free])
         status: Status = "conditional" if self.conditional else "identified"
@@ -81,6 +85,7 @@ class _Estimator:
         return highest - lowest > _WIDEST_F0
 
     def roughness(self, name: str, value: float, index: int, *, active: bool) -> None:
+        """Add the roughness that is the parameter ``index``; not ``active``: its lobe has no weight."""
         low, high = ROUGHNESS_BOUNDS
         gradient = self.unit(index)
         wide = self.covariance.error(gradient) > _WIDEST_LOG_ROUGHNESS * value
@@ -88,6 +93,7 @@ class _Estimator:
         self.estimate(name, value, gradient, low=low, high=high, at_bound=on_bound, undetermined=not active or wide)
 
     def estimates(self) -> Estimates:
+        """All that were added."""
         gradients = np.stack(self.gradients)
         joint = gradients @ self.covariance.matrix @ gradients.T
         errors = np.sqrt(np.diagonal(joint))
@@ -128,7 +134,7 @@ def _car_paint(
     # Both weights of a lobe take part even where one ended at 0: only so does its F0 show how little is known of it.
     free = np.concatenate([free_spreads, [True], np.repeat(on, 2)])
     covariance = parameter_covariance(problem, shapes, weights, free, color=color)
-    make = _Estimator(covariance, conditional=color is not None)
+    make = LinearEstimator(covariance, conditional=color is not None)
     # Below a refracting coat (1 - <h,o>)⁵ stays under 0.00107 and depends on theta_d alone: a free table takes up
     # almost all that could tell F0 from the coefficient.
     absorbed = color is not None and model.coat is not None and model.coat.refracting
@@ -167,7 +173,7 @@ def _colored(problem: SeparableProblem, model: AbstractFitModel, shapes: Shapes,
     free_terms = np.any(values > 0, axis=1)
     free_terms[0] = True
     free = np.concatenate([np.array(free_shapes, bool), np.tile(free_terms, channels)])
-    make = _Estimator(parameter_covariance(problem, shapes, weights, free), conditional=False)
+    make = LinearEstimator(parameter_covariance(problem, shapes, weights, free), conditional=False)
     first = len(free_shapes)
     in_f0 = make.unit(1) if f0 is not None else np.zeros(len(make.covariance.free))
     vague = False
@@ -178,11 +184,11 @@ def _colored(problem: SeparableProblem, model: AbstractFitModel, shapes: Shapes,
         vague = make.split_undetermined(s * f0, s * (1.0 - f0), in_p, in_q)
     for c in range(channels):
         diffuse = terms[0][c]
-        name = _channel_name("diffuse", c, channels)
+        name = channel_name("diffuse", c, channels)
         make.estimate(name, diffuse, make.unit(first + c * m), at_bound=diffuse == 0)
     for c in range(channels if lobe else 0):
         s, in_s = terms[1][c], make.unit(first + c * m + 1)
-        name = _channel_name("specular", c, channels)
+        name = channel_name("specular", c, channels)
         make.estimate(name, s, in_s, at_bound=s == 0, undetermined=vague)
     if lobe:
         make.roughness("roughness", roughness, 0, active=on)
@@ -190,7 +196,7 @@ def _colored(problem: SeparableProblem, model: AbstractFitModel, shapes: Shapes,
         make.estimate("f0", f0, in_f0, high=1.0, at_bound=on and f0_on_edge, undetermined=vague or not on)
         for c in range(channels):
             s, in_s = terms[1][c], make.unit(first + c * m + 1)
-            name = _channel_name("specular x f0", c, channels)
+            name = channel_name("specular x f0", c, channels)
             product = s * f0
             make.estimate(name, product, f0 * in_s + s * in_f0, at_bound=product == 0)
     return make.estimates()

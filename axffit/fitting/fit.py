@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Callable
-from typing import Any
+from dataclasses import replace
+from typing import Any, Literal
 
 import jax
 import numpy as np
@@ -12,8 +13,12 @@ from axffit.fitting.carpaint import fit_car_paint
 from axffit.fitting.estimates import estimates
 from axffit.fitting.limits import Limit, half_difference_limit, reciprocal_limit
 from axffit.fitting.metrics import POLAR_LIMIT, evaluate_samples, metrics_of, within
-from axffit.fitting.models import AbstractFitModel, CarPaintModel, parse_model
-from axffit.fitting.residuals import AbstractResidual, LogCosine, NoiseWeighted
+from axffit.fitting.models import AbstractFitModel, CarPaintModel
+from axffit.fitting.multilobe import LobesModel
+from axffit.fitting.multilobe_estimates import multilobe_estimates
+from axffit.fitting.names import parse_model
+from axffit.fitting.passive import check_passive, solve_passive
+from axffit.fitting.residuals import AbstractResidual, LogCosine, NoiseWeighted, Robust
 from axffit.fitting.result import FitResult, Outcome
 from axffit.fitting.separable import make_problem
 from axffit.fitting.starts import minimize
@@ -22,6 +27,8 @@ from axffit.fitting.uncertainty import NOISE_KIND, SANDWICH_KIND
 from axffit.measured import Measurements, RGBChannels
 
 Progress = Callable[[str, float], None]
+Negatives = Literal["clip", "leave out"]
+_MAX_ROUNDS, _SETTLED = 30, 0.01
 
 
 def fit(
@@ -32,6 +39,8 @@ def fit(
     color_table: int = 64,
     smoothing: float = 1e-3,
     polar_limit: float = POLAR_LIMIT,
+    negatives: Negatives = "clip",
+    passive: bool = False,
     max_steps: int = 100,
     study: Study | None = None,
     progress: Progress | None = None,
@@ -47,6 +56,10 @@ def fit(
         color_table: texels along each axis of a car paint's color table; 0 for one color everywhere, lobes only.
         smoothing: weight of the squared differences between neighboring texels, relative to the data's.
         polar_limit: samples with a larger polar angle (radians) of either direction are left out.
+        negatives: ``"clip"``: they count as 0; ``"leave out"``: samples with one in any channel are left out. The
+            noise-weighted residual does not clip.
+        passive: no albedo above 1 (``axffit.fitting.passive``); for models that are no car paint, bare or below a coat
+            that does not refract.
         max_steps: of each solver.
         study: profiles and bootstrap that are wanted besides the standard errors.
         progress: called with what is being done and how much of it is (0 to 1).
@@ -57,7 +70,7 @@ def fit(
 
     Raises:
         InputError: the model is unknown, the samples are not RGB, the residual needs a noise that they do not state, or
-            the study names a parameter that the model has not.
+            the study names a parameter that the model has not, or passivity is asked of a model that cannot have it.
     """
     fit_model = parse_model(model) if isinstance(model, str) else model
     if not isinstance(measurements.channels, RGBChannels):
@@ -68,26 +81,36 @@ def fit(
         )
     if residual is None:
         residual = LogCosine() if measurements.sigma is None else NoiseWeighted()
+    if passive:
+        check_passive(fit_model)
     chosen = within(measurements, polar_limit)
+    if negatives == "leave out":
+        chosen &= np.all(measurements.values >= 0, axis=1)
     samples = _samples_json(measurements, chosen, polar_limit)
     degenerate = _degenerate(fit_model, measurements, chosen)
     if degenerate is not None:
         return FitResult(None, fit_model.name, degenerate, residual=residual.name, samples=samples)
     used = measurements.select(chosen)
     with jax.enable_x64(new_val=True):
-        if isinstance(fit_model, CarPaintModel):
-            found = fit_car_paint(
+        asked = study or Study()
+
+        def once(weighted: Measurements) -> dict[str, Any]:
+            if not isinstance(fit_model, CarPaintModel):
+                return _fit_colored(
+                    fit_model, weighted, residual, passive=passive, max_steps=max_steps, asked=asked, progress=progress
+                )
+            return fit_car_paint(
                 fit_model,
-                used,
+                weighted,
                 residual,
                 size=color_table,
                 smoothing=smoothing,
                 max_steps=max_steps,
-                asked=study or Study(),
+                asked=asked,
                 progress=progress,
             )
-        else:
-            found = _fit_colored(fit_model, used, residual, max_steps, study or Study(), progress)
+
+        found = _robustly(once, used, residual) if isinstance(residual, Robust) else once(used)
         brdf = found["model"]
         metrics = metrics_of(used, evaluate_samples(brdf, used), polar_limit=math.pi / 2)
     if progress is not None:
@@ -101,6 +124,19 @@ def fit(
         samples=samples,
         **found,
     )
+
+
+def _robustly(once: Callable[[Measurements], dict[str, Any]], used: Measurements, residual: Robust) -> dict[str, Any]:
+    """Iteratively reweighted fits, until no sample's weight changes by more than 1 % of itself."""
+    factors = np.ones(len(used))
+    found: dict[str, Any] = {}
+    for _ in range(_MAX_ROUNDS):
+        found = once(replace(used, weights=used.weights * factors))
+        new = residual.factors(used, evaluate_samples(found["model"], used))
+        if np.all(np.abs(new - factors) <= _SETTLED * factors):
+            return found
+        factors = new
+    return found | {"outcome": Outcome.STEP_LIMIT}
 
 
 def _samples_json(measurements: Measurements, chosen: np.ndarray, polar_limit: float) -> dict[str, Any]:
@@ -137,20 +173,27 @@ def _fit_colored(
     model: AbstractFitModel,
     used: Measurements,
     residual: AbstractResidual,
+    *,
+    passive: bool,
     max_steps: int,
     asked: Study,
     progress: Progress | None,
 ) -> dict[str, Any]:
     """Fit of a model with a color a term: scan, polish of the best starts, F0 tried on its bounds."""
     problem = make_problem(model, residual, used, residual.prepare(used))
-    best = minimize(problem, max_steps=max_steps, progress=progress)
+    free = minimize(problem, max_steps=max_steps, progress=progress)
+    best = solve_passive(problem, free, max_steps=max_steps) if passive else free
     outcome = Outcome.CONVERGED if bool(best.converged) else Outcome.STEP_LIMIT
     if not math.isfinite(float(best.cost)):
         outcome = Outcome.NOT_FINITE
-    found = estimates(problem, best.shapes, best.weights)
-    return {
-        "model": model.assemble(best.shapes, best.weights),
-        "outcome": outcome,
-        **found.fields(),
-        **make_study(asked, problem, best.shapes, best.weights, found, progress),
-    }
+    shapes, weights = best.shapes, best.weights
+    if isinstance(model, LobesModel):
+        if asked != Study():
+            raise InputError(f"{model.name}: profiles and bootstrap are there for one lobe and for car paint")
+        shapes, weights = model.ordered(shapes, weights)
+        fields = multilobe_estimates(problem, model, shapes, weights).fields()
+    else:
+        found = estimates(problem, shapes, weights)
+        fields = found.fields() | make_study(asked, problem, shapes, weights, found, progress)
+    notes = () if best is free else ("an albedo of 1 holds the fit back; the standard errors are those without it",)
+    return {"model": model.assemble(shapes, weights), "outcome": outcome, "notes": notes, **fields}

@@ -7,7 +7,6 @@ are reachable, and F0 = p / (p + q). Per channel where the model has a color, on
 """
 
 import abc
-import re
 from typing import Any, Literal
 
 import equinox as eqx
@@ -260,30 +259,3 @@ class CarPaintModel(AbstractLobeModel):
         """The base with ``color_table``, without the coat."""
         diffuse, coefficients, f0 = self.split(weights)
         return brdfs.CarPaint(diffuse, coefficients, f0, shapes.roughness, color_table)
-
-
-MODEL_NAMES = ("lambert", *LOBES, "carpaint")
-"""Names that :func:`parse_model` knows, each also with ``+coat``."""
-
-
-def parse_model(name: str, *, lobes: int = 3, ior: float = 1.5) -> AbstractFitModel:
-    """The fit model of a command-line name such as ``ggx`` or ``carpaint+coat``.
-
-    Args:
-        name: one of :data:`MODEL_NAMES`, with ``+coat`` for a clear coat of known index that refracts.
-        lobes: number of lobes of a car paint.
-        ior: index of refraction of the coat.
-
-    Raises:
-        InputError: the name is unknown, or the number of lobes or the index is out of range.
-    """
-    match = re.fullmatch(r"([a-z0-9:-]+)(\+coat)?", name.strip().lower())
-    known = {model.lower(): model for model in MODEL_NAMES}
-    if match is None or match[1] not in known:
-        raise InputError(f"unknown model {name!r}: choose one of {', '.join(MODEL_NAMES)}, each also with '+coat'")
-    coat = Coat(ior) if match[2] else None
-    if match[1] == "lambert":
-        return LambertModel(coat=coat)
-    if match[1] == "carpaint":
-        return CarPaintModel(lobes=lobes, coat=coat)
-    return SingleLobeModel(lobe=known[match[1]], coat=coat)

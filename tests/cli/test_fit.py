@@ -7,7 +7,7 @@ import jsonschema
 import numpy as np
 import pytest
 
-from axffit import axf, brdf, measured
+from axffit import axf, brdf, fitting, measured
 from axffit.cli import compare, dispatch, fit
 from axffit.fitting.result import FitResult, Outcome, schema
 from axffit.measured import mbsdf
@@ -26,7 +26,7 @@ def test_a_fit_shows_parameters_metrics_and_outcome(tmp_path, capsys):
     assert shown.splitlines()[0] == "lambert+coat fitted to noisy_car_paint"
     assert shown.splitlines()[-1] == content["advice"]
     assert not [p["name"] for p in content["parameters"] if f"\n{p['name']} " not in shown]
-    assert f"axffit fit {SAMPLES} --model lambert+coat --lobes 3" in results[1].read_text()
+    assert f"axffit fit {SAMPLES} --model lambert+coat --ior 1.5" in results[1].read_text()
 
 
 def test_samples_that_allow_no_fit_end_in_1_with_advice_and_without_a_page(tmp_path, capsys):
@@ -40,6 +40,35 @@ def test_samples_that_allow_no_fit_end_in_1_with_advice_and_without_a_page(tmp_p
     assert "a black material has no parameters to find" in shown.out
     assert [result.exists() for result in results] == [True, False, False]
     assert "not written: page.html, fitted.axf" in shown.err
+
+
+def test_models_are_compared_first_and_the_chosen_one_is_fitted(tmp_path, capsys, monkeypatch):
+    few = (fitting.LambertModel(), fitting.LambertModel(coat=fitting.Coat(1.4)))
+    monkeypatch.setattr("axffit.fitting.selection.default_candidates", lambda: few)
+    out, page = tmp_path / "fit.json", tmp_path / "page.html"
+    assert dispatch(["fit", str(SAMPLES), "--select", "--json", str(out), "--html", str(page)]) == 0
+    content, shown = json.loads(out.read_text()), capsys.readouterr().out.splitlines()
+    jsonschema.validate(content, schema())
+    assert shown[0].split() == ["model", "parameters", "log", "error", "AIC", "BIC", "held", "back"]
+    assert [line.split()[0] for line in shown[1:3]] == ["lambert", "lambert+coat"]
+    starred = [line.split()[0] for line in shown[1:3] if "*" in line]
+    assert starred == [content["model"]]
+    assert any(f"{content['model']} chosen among 2 models" in note for note in content["notes"])
+    assert page.read_text().count("--select") == 1
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--select", "--model", "ggx"],
+        ["--select", "--lobes", "2"],
+        ["--f0", "some"],
+        ["--model", "ggx", "--lobes", "9"],
+    ],
+)
+def test_options_that_contradict_each_other_or_are_out_of_range_are_refused(options, capsys):
+    assert dispatch(["fit", str(SAMPLES), *options]) == 2
+    assert capsys.readouterr().out == ""
 
 
 def test_only_car_paints_are_written(tmp_path, capsys):

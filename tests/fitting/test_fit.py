@@ -7,7 +7,7 @@ import pytest
 
 from axffit.brdf import GGX, Lambert, Schlick1994, Sum
 from axffit.errors import InputError
-from axffit.fitting import Coat, Outcome, SingleLobeModel, fit, parse_model
+from axffit.fitting import Coat, LogCosine, Outcome, Robust, SingleLobeModel, fit, parse_model
 from axffit.fitting.models import Shapes
 from axffit.fitting.result import schema
 from axffit.measured import Measurements, Wavelengths
@@ -188,3 +188,32 @@ def test_few_steps_end_as_not_converged_with_a_usable_model():
     assert result.metrics is not None
     with pytest.raises(KeyError, match="there are diffuse R"):
         result.parameter("gloss")
+
+
+def test_wild_samples_pull_the_log_fit_and_not_the_robust_one():
+    model, brdf = single("ggx")
+    base = sampled(brdf)
+    values = base.values.copy()
+    values[::50] *= 30.0
+    wild = dataclasses.replace(base, values=values)
+    robust, plain = (fit(model, wild, residual=residual) for residual in (Robust(), LogCosine()))
+    assert robust.outcome is Outcome.CONVERGED
+    assert robust.residual == "robust"
+    errors = [abs(result.parameter("diffuse G").value / 0.2 - 1.0) for result in (robust, plain)]
+    assert errors[0] < 0.02
+    assert errors[1] > 5 * errors[0]
+
+
+def test_negative_samples_count_as_zero_or_are_left_out():
+    base = sampled(Lambert(jnp.array([0.2, 0.4, 0.6])))
+    values = base.values.copy()
+    values[::4, 1] = -0.1
+    negative = dataclasses.replace(base, values=values)
+    clipped, without = (fit("lambert", negative, negatives=how) for how in ("clip", "leave out"))
+    assert clipped.parameter("diffuse G").value < 0.35
+    assert without.parameter("diffuse G").value == pytest.approx(0.4, rel=1e-6)
+    assert clipped.samples is not None
+    assert without.samples is not None
+    left_out = clipped.samples["used"] - without.samples["used"]
+    assert left_out == clipped.samples["clipped_negatives"] > 0
+    assert without.samples["clipped_negatives"] == 0

@@ -4,7 +4,8 @@ import pytest
 
 from axffit.errors import InputError
 from axffit.fitting import CarPaintModel, Coat, LambertModel, SingleLobeModel, parse_model
-from axffit.fitting.models import MODEL_NAMES, Shapes
+from axffit.fitting.models import Shapes
+from axffit.fitting.names import MODEL_NAMES
 
 from .paints import GRID
 
