@@ -69,7 +69,7 @@ def run(
     report = progress or (lambda stage, fraction: None)
     report("reading", 0.0)
     chosen = axf.read(material_file).material(material)
-    samples = measured.read(samples_file, sample_name)
+    samples = measured.to_rgb(measured.read(samples_file, sample_name))
     model = brdf_of(chosen)
     report("evaluating the model", 0.0)
     comparison = fitting.compare(model, samples)

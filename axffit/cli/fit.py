@@ -122,7 +122,7 @@ def run(
     limit, chosen = _radians(polar_limit), _residual(residual)
     known_f0 = None if f0 is None else fitting.parse_f0(f0)
     fit_model = fitting.parse_model(model, lobes=lobes, f0=known_f0, ior=ior) if isinstance(model, str) else model
-    samples = measured.read(samples_file, material)
+    samples = measured.to_rgb(measured.read(samples_file, material))
     result = fitting.fit(fit_model, samples, residual=chosen, polar_limit=limit, negatives=negatives, progress=progress)
     return Fitted(result, samples, measured.interpolant(samples_file, material))
 

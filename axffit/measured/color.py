@@ -6,7 +6,7 @@ import numpy as np
 
 from axffit import spectrum
 from axffit.errors import InputError
-from axffit.measured.measurements import Measurements, RGBChannels, Wavelengths
+from axffit.measured.measurements import Measurements, RGBChannels
 
 CONVERSION = "CIE 1931 2° observer, illuminant E, sRGB primaries: the perfect diffuser is (1, 1, 1)"
 
@@ -40,8 +40,3 @@ def to_rgb(measurements: Measurements) -> Measurements:
         channels=RGBChannels(),
         provenance={**measurements.provenance, "color": words},
     )
-
-
-def wavelengths_in(measurements: Measurements) -> np.ndarray | None:
-    """The wavelengths in nm, or None for RGB."""
-    return measurements.channels.nanometers if isinstance(measurements.channels, Wavelengths) else None

@@ -12,7 +12,9 @@ import jinja2
 from markupsafe import Markup
 
 from axffit import __version__
+from axffit.measured import Measurements
 from axffit.preview.picture import LINEAR_LIMIT
+from axffit.report.measured_view import DescribedSamples, measured_view
 from axffit.report.numbers import number, significant
 from axffit.report.pictures import color_scale_css
 from axffit.report.sampled_view import compare_view, fit_view
@@ -25,7 +27,7 @@ SCHEMA_VERSION = 1
 Progress = Callable[[str, float], None]
 """Called with what is being done and how much of it is (0 to 1)."""
 
-VIEWS = {"verify": verify_view, "fit": fit_view, "compare": compare_view}
+VIEWS = {"verify": verify_view, "fit": fit_view, "compare": compare_view, "measured": measured_view}
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,11 @@ def compare_page(
 ) -> Page:
     """The page of one or more comparisons."""
     return demo_page(compared=items, run=run, title=title or _comparison(items), progress=progress)
+
+
+def measured_page(samples: Measurements, run: Run) -> Page:
+    """The page of a description of samples."""
+    return _page([DescribedSamples(samples).section()], run, f"Samples of {samples.name or 'a BRDF'}")
 
 
 def demo_page(
@@ -198,11 +205,12 @@ def schema() -> dict[str, Any]:
     """The JSON schema of `Page.content`, those of its sections' results included."""
     from axffit.fitting.compare import schema as comparison
     from axffit.fitting.result import schema as fit
+    from axffit.measured.description import schema as description
     from axffit.quantization.verdict import schema as verdict
 
     text = resources.files("axffit.report").joinpath("schemas/page.schema.json").read_text(encoding="utf-8")
     page = json.loads(text)
-    parts = {"verdict": verdict(), "fit": fit(), "comparison": comparison()}
+    parts = {"verdict": verdict(), "fit": fit(), "comparison": comparison(), "measured": description()}
     page["$defs"] |= {f"result_{name}": part | {"$id": f"urn:axffit:{name}"} for name, part in parts.items()}
     return page
 

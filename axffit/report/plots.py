@@ -212,15 +212,100 @@ def failure_heat_map(cells: dict[str, Any], *, label: str) -> str:
             lw=0.2,
         )
         axes.patch.set(facecolor=INK, alpha=0.10)
-        axes.set_xlim(0, 1)
-        axes.xaxis.set_major_locator(FixedLocator(list(np.sqrt(np.array([0, 2, 5, 10, 20, 40, 60, 90]) / 90.0))))
-        axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{90 * x * x:.0f}°"))
-        axes.yaxis.set_major_locator(FixedLocator(range(0, 91, 30)))
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:.0f}°"))
-        axes.set_xlabel("half angle (0°: the mirror direction)")
-        axes.set_ylabel("difference angle")
+        _angle_axes(axes)
         bar = figure.colorbar(mesh, ax=axes, pad=0.02, aspect=14, extend="both" if worst > end else "neither")
         bar.ax.yaxis.set_major_locator(FixedLocator([-limit, -limit / 2, 0.0, limit / 2, limit]))
         bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"× {number(2.0**y)}"))
         bar.outline.set_visible(False)  # pyright: ignore[reportCallIssue]
+        return to_svg(figure, label=label)
+
+
+def _angle_axes(axes: Axes) -> None:
+    """Half angle, dense at the mirror direction, against difference angle."""
+    axes.set_xlim(0, 1)
+    _half_angle_axis(axes)
+    axes.yaxis.set_major_locator(FixedLocator(range(0, 91, 30)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:.0f}°"))
+    axes.set_ylabel("difference angle")
+
+
+def _half_angle_axis(axes: Axes) -> None:
+    axes.xaxis.set_major_locator(FixedLocator(list(np.sqrt(np.array([0, 2, 5, 10, 20, 40, 60, 90]) / 90.0))))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{90 * x * x:.0f}°"))
+    axes.set_xlabel("half angle (0°: the mirror direction)")
+
+
+def coverage_heat_map(cells: dict[str, Any], *, label: str) -> str:
+    """How many samples each cell of half and difference angle holds, logarithmic; cells without any are gray."""
+    with matplotlib.rc_context(_STYLE):
+        figure = _figure(5.4, 3.2)
+        axes = figure.add_subplot()
+        counts = np.array(cells["counts"], float)
+        half, difference = np.array(cells["half_edges_degrees"]), np.array(cells["difference_edges_degrees"])
+        shown = np.log10(np.where(counts > 0, counts, np.nan))
+        top = max(float(np.log10(max(counts.max(), 1.0))), 0.5)
+        mesh = axes.pcolormesh(
+            np.sqrt(half / 90.0), difference, shown, cmap="viridis", norm=Normalize(0.0, top), edgecolors="face", lw=0.2
+        )
+        axes.patch.set(facecolor=INK, alpha=0.10)
+        _angle_axes(axes)
+        bar = figure.colorbar(mesh, ax=axes, pad=0.02, aspect=14)
+        bar.ax.yaxis.set_major_locator(FixedLocator(range(int(top) + 1)))
+        bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda y, _: number(10.0**y)))
+        bar.set_label("samples")
+        bar.outline.set_visible(False)  # pyright: ignore[reportCallIssue]
+        return to_svg(figure, label=label)
+
+
+def value_scatter(points: dict[str, list[float]], *, label: str) -> str:
+    """Samples over the half angle, logarithmic, colored by the difference angle; values of 0 and below are left out."""
+    with matplotlib.rc_context(_STYLE):
+        figure = _figure(5.4, 3.2)
+        axes = figure.add_subplot()
+        half, difference, value = (np.array(points[key]) for key in ("half_degrees", "difference_degrees", "value"))
+        kept = value > 0
+        dots = axes.scatter(
+            np.sqrt(half[kept] / 90.0), value[kept], c=difference[kept], s=4.0, cmap="viridis", vmin=0, vmax=90, lw=0
+        )
+        axes.set_yscale("log")
+        axes.set_xlim(0, 1)
+        _half_angle_axis(axes)
+        wide = value[kept].max() > 300 * value[kept].min()
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0,) if wide else (1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: number(y)))
+        axes.yaxis.set_minor_formatter(FuncFormatter(lambda y, _: ""))
+        axes.grid(visible=True)
+        axes.set_ylabel("f, 1/sr")
+        bar = figure.colorbar(dots, ax=axes, pad=0.02, aspect=14)
+        bar.ax.yaxis.set_major_locator(FixedLocator(range(0, 91, 30)))
+        bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:.0f}°"))
+        bar.set_label("difference angle")
+        bar.outline.set_visible(False)  # pyright: ignore[reportCallIssue]
+        return to_svg(figure, label=label)
+
+
+def furnace_curve(rows: list[dict[str, Any]], *, label: str) -> str:
+    """Albedo over the incidence: a line a channel for RGB, the mean, least and largest of more channels."""
+    with matplotlib.rc_context(_STYLE):
+        figure = _figure(5.4, 3.2)
+        axes = figure.add_subplot()
+        incidence = np.array([np.mean(row["incidence_degrees"]) for row in rows])
+        albedo = np.array([row["albedo"] for row in rows])
+        if albedo.shape[1] == 3:
+            lines = list(zip(("red", "green", "blue"), (SERIES[4], SERIES[1], SERIES[0]), albedo.T, strict=True))
+        else:
+            named = (("largest", albedo.max), ("mean", albedo.mean), ("least", albedo.min))
+            lines = [(name, SERIES[k], found(axis=1)) for k, (name, found) in enumerate(named)]
+        for name, color, values in lines:
+            axes.plot(incidence, values, "o-", color=color, linewidth=1.4, markersize=3.0, label=name)
+        axes.axhline(1.0, color=INK, linewidth=0.8, alpha=0.5, linestyle="--")
+        axes.set_xlim(0, 90)
+        axes.set_ylim(bottom=min(0.0, float(albedo.min())))
+        axes.xaxis.set_major_locator(FixedLocator(range(0, 91, 30)))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:.0f}°"))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: number(y)))
+        axes.grid(visible=True)
+        axes.set_xlabel("polar angle of the light")
+        axes.set_ylabel("albedo")
+        axes.legend(frameon=False, fontsize=9)
         return to_svg(figure, label=label)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from axffit.report.measured_view import sentence
 from axffit.report.numbers import percent
 
 
@@ -17,6 +18,7 @@ def summarize(sections: Sequence[Mapping[str, Any]]) -> tuple[str, bool | None]:
     if fits:
         sentences.append(_fits(fits))
     sentences += [_comparison(section) for section in comparisons]
+    sentences += [f"{s['title']}: {sentence(s['result'])}" for s in sections if s["kind"] == "measured"]
     within = all(v["within"] for v in verdicts) if verdicts else None
     return " ".join(sentences), within
 
