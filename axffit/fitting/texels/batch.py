@@ -4,13 +4,14 @@ import enum
 from collections.abc import Iterator
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
 from axffit.fitting.texels.finish import finish
 from axffit.fitting.texels.problem import Samples, TexelModel, evaluate
-from axffit.fitting.texels.shading import Light
+from axffit.fitting.texels.shading import common_light
 from axffit.fitting.texels.solver import advance, begin
 from axffit.fitting.texels.starts import best_start
 
@@ -48,9 +49,11 @@ class TexelFit(NamedTuple):
     outcome: Int[np.ndarray, " texels"]
 
 
+@jax.enable_x64(new_val=True)
 def fit_texels(
     model: TexelModel,
-    light: Light,
+    wi: Float[np.ndarray, "n 3"],
+    wo: Float[np.ndarray, "n 3"],
     values: Float[np.ndarray, "channels n texels"],
     precisions: Float[np.ndarray, "channels n texels"],
     start: Float[np.ndarray, "p texels"] | None = None,
@@ -60,7 +63,8 @@ def fit_texels(
 
     Args:
         model: what is fitted.
-        light: directions, the same for all texels: arrays (images, 1).
+        wi: unit vectors to the light, one an image.
+        wo: unit vectors to the viewer.
         values: radiance over irradiance at normal incidence.
         precisions: 1 / sigma² of each value; 0 where it is not to be used.
         start: theta to begin with; None looks for one (:mod:`axffit.fitting.texels.starts`).
@@ -72,6 +76,7 @@ def fit_texels(
     # A channel without any sample would leave its weights undetermined.
     usable &= np.all(np.count_nonzero(precisions > 0, axis=1) > model.weights, axis=0)
     outcome = np.where(usable, Outcome.NOT_CONVERGED, Outcome.TOO_FEW_SAMPLES).astype(np.int8)
+    light = common_light(wi, wo)
     theta = np.zeros((model.shapes, texels))
     damping = np.zeros(texels)
 

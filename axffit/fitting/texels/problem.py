@@ -25,7 +25,7 @@ from jaxtyping import Array, Float
 
 from axffit.errors import InputError
 from axffit.fitting.texels import small
-from axffit.fitting.texels.shading import LOBES, Light, Roughness, light_of, shade
+from axffit.fitting.texels.shading import LOBES, Light, Roughness, shade
 
 LOWEST_LOG_ROUGHNESS, HIGHEST_LOG_ROUGHNESS = float(np.log(1e-3)), 0.0
 """Range of the mean ln alpha; AxF's lobe map ends at 1."""
@@ -87,17 +87,6 @@ class Samples(NamedTuple):
     light: Light
     values: Float[Array, "channels n lanes"]
     precisions: Float[Array, "channels n lanes"]
-
-
-def samples_of(
-    wi: Float[np.ndarray, "n 3"],
-    wo: Float[np.ndarray, "n 3"],
-    values: Float[Array, "channels n lanes"],
-    precisions: Float[Array, "channels n lanes"],
-) -> Samples:
-    """Samples of texels that all see the same directions."""
-    light = light_of(jnp.asarray(wi.T[:, :, None], values.dtype), jnp.asarray(wo.T[:, :, None], values.dtype))
-    return Samples(light, values, precisions)
 
 
 class Point(NamedTuple):

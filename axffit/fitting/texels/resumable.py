@@ -16,7 +16,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
@@ -27,7 +26,6 @@ from axffit.fitting.texels.maps import Map, layout
 from axffit.fitting.texels.noise import Noise
 from axffit.fitting.texels.problem import TexelModel
 from axffit.fitting.texels.reweighted import FittedTexels, fit_pixels
-from axffit.fitting.texels.shading import Light, light_of
 from axffit.fitting.texels.stack import Stack
 
 CHUNK = 4096
@@ -81,15 +79,13 @@ def fit_stack(
     work.mkdir(parents=True, exist_ok=True)
     _agree(work / "manifest.json", _manifest(stack, model, noise, shape, chunk, lanes))
     pixels = _staged(work / "pixels.f32", stack, shape, tell)
-    directions = [jnp.asarray(side.T[:, :, None]) for side in (stack.wi, stack.wo)]
-    light = light_of(*directions)
     texels = height * width
     rows = []
     for number, first in enumerate(range(0, texels, chunk)):
         tell("fitting the texels", first / texels)
         path = work / f"chunk_{number:05d}.npy"
         count = min(chunk, texels - first)
-        rows.append(_chunk(path, model, light, pixels[:, :, first : first + count], noise, lanes))
+        rows.append(_chunk(path, stack, model, pixels[:, :, first : first + count], noise, lanes))
     return _assembled(np.concatenate(rows, axis=1), layout(model, channels), (height, width))
 
 
@@ -154,11 +150,11 @@ def _staged(path: Path, stack: Stack, shape: tuple[int, ...], tell: Progress) ->
 
 
 def _chunk(
-    path: Path, model: TexelModel, light: Light, pixels: Float[np.ndarray, "c n texels"], noise: Noise, lanes: int
+    path: Path, stack: Stack, model: TexelModel, pixels: Float[np.ndarray, "c n texels"], noise: Noise, lanes: int
 ) -> Float[np.ndarray, "rows texels"]:
     """A chunk's rows from its file, or fitted and written to it."""
     if not path.exists():
-        rows = _rows(fit_pixels(model, light, np.asarray(pixels, np.float64), noise, lanes))
+        rows = _rows(fit_pixels(model, stack.wi, stack.wo, np.asarray(pixels, np.float64), noise, lanes))
         with _whole(path) as file:
             np.save(file, rows)
     return np.load(path)

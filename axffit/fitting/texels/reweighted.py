@@ -16,7 +16,7 @@ from axffit.fitting.texels.batch import LANES, fit_texels
 from axffit.fitting.texels.maps import Map, maps_of, reduced_chi_square
 from axffit.fitting.texels.noise import Noise
 from axffit.fitting.texels.problem import TexelModel, model_values
-from axffit.fitting.texels.shading import Light
+from axffit.fitting.texels.shading import common_light
 
 _model_values = partial(jax.jit, static_argnums=0)(model_values)
 
@@ -29,23 +29,32 @@ class FittedTexels(NamedTuple):
     outcome: Int[np.ndarray, " texels"]
 
 
+@jax.enable_x64(new_val=True)
 def fit_pixels(
-    model: TexelModel, light: Light, pixels: Float[np.ndarray, "channels n texels"], noise: Noise, lanes: int = LANES
+    model: TexelModel,
+    wi: Float[np.ndarray, "n 3"],
+    wo: Float[np.ndarray, "n 3"],
+    pixels: Float[np.ndarray, "channels n texels"],
+    noise: Noise,
+    lanes: int = LANES,
 ) -> FittedTexels:
     """The maps of some texels.
 
     Args:
         model: what is fitted.
-        light: directions, arrays (images, 1).
+        wi: unit vectors to the light, one an image.
+        wo: unit vectors to the viewer.
         pixels: radiance over irradiance at normal incidence; what is not finite does not count.
         noise: of the pixels.
         lanes: texels in flight at once.
     """
     usable = noise.usable(pixels)
     values = np.where(usable, pixels, 0.0)
-    first = fit_texels(model, light, values, noise.precisions(values, usable), lanes=lanes)
-    expected = np.asarray(_model_values(model, light, jnp.asarray(first.theta), jnp.asarray(first.weights)))
+    first = fit_texels(model, wi, wo, values, noise.precisions(values, usable), lanes=lanes)
+    expected = np.asarray(
+        _model_values(model, common_light(wi, wo), jnp.asarray(first.theta), jnp.asarray(first.weights))
+    )
     precisions = noise.precisions(expected, usable)
-    fit = fit_texels(model, light, values, precisions, first.theta, lanes)
+    fit = fit_texels(model, wi, wo, values, precisions, first.theta, lanes)
     chi_square = reduced_chi_square(model, fit, precisions)
     return FittedTexels(maps_of(model, fit, None if noise.known else chi_square), chi_square, fit.outcome)

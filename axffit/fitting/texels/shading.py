@@ -54,6 +54,11 @@ def light_of(wi: Float[Array, "3 n lanes_or_1"], wo: Float[Array, "3 n lanes_or_
     return Light(i, o, h, square, power5(sine2 / (1.0 + 0.5 * jnp.sqrt(square))))
 
 
+def common_light(wi: Float[np.ndarray, "n 3"], wo: Float[np.ndarray, "n 3"]) -> Light:
+    """Directions that all texels share, in float64."""
+    return light_of(*(jnp.asarray(side.T[:, :, None], jnp.float64) for side in (wi, wo)))
+
+
 def _dot(a: Vector, b: Vector) -> Component:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 

@@ -2,11 +2,13 @@
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from axffit.fitting.texels.problem import Samples, TexelModel, model_values, samples_of
+from axffit.fitting.texels.problem import Samples, TexelModel, model_values
+from axffit.fitting.texels.shading import common_light
 
 
 class SyntheticTexels(NamedTuple):
@@ -44,6 +46,7 @@ def truth(
     return np.stack(theta), np.stack(parts, axis=1)
 
 
+@jax.enable_x64(new_val=True)
 def made(
     model: TexelModel,
     texels: int,
@@ -58,8 +61,7 @@ def made(
     rng = np.random.default_rng([seed, 1])
     wi, wo = directions(images, seed)
     theta, weights = truth(model, texels, channels, rng)
-    empty = jnp.zeros((channels, images, texels))
-    light = samples_of(wi, wo, empty, empty).light
+    light = common_light(wi, wo)
     clean = np.asarray(model_values(model, light, jnp.asarray(theta), jnp.asarray(weights)))
     variance = (noise * clean) ** 2 + (noise * floor) ** 2
     values = clean + np.sqrt(variance) * rng.standard_normal(clean.shape)

@@ -1,5 +1,6 @@
 """Standard errors of the maps: they cover the truth, and there are none where the data say nothing."""
 
+import jax
 import numpy as np
 import pytest
 from scipy import stats
@@ -19,7 +20,7 @@ NOISE = Noise(0.01, 1e-5, known=True)
 def covered(model, channels, texels, noise, seed):
     """Texels and how many true values lie within 1.96 standard errors, by map and channel."""
     made_ = made(model, texels, channels=channels, noise=noise.relative, floor=noise.floor / noise.relative, seed=seed)
-    fitted = fit_pixels(model, made_.samples.light, np.asarray(made_.samples.values), noise)
+    fitted = fit_pixels(model, made_.wi, made_.wo, np.asarray(made_.samples.values), noise)
     truth = true_maps(model, made_)
     counts = {}
     for name, map_ in fitted.maps.items():
@@ -59,7 +60,7 @@ def test_what_the_data_do_not_determine_has_no_error():
     pixels[:, :, 1] = 0.0
     pixels[:, 3:, 2] = np.nan
     pixels[:, :, 3] = 1e9
-    fitted = fit_pixels(model, texels.samples.light, pixels, Noise(saturation=1e6))
+    fitted = fit_pixels(model, texels.wi, texels.wo, pixels, Noise(saturation=1e6))
     maps = fitted.maps
     assert list(fitted.outcome[[2, 3]]) == [Outcome.CONVERGED, Outcome.TOO_FEW_SAMPLES]
     np.testing.assert_allclose(maps["diffusecolor"].values[:, 0], 0.5, rtol=1e-9)
@@ -71,10 +72,21 @@ def test_what_the_data_do_not_determine_has_no_error():
     assert set(maps) == set(layout(model, 3))
 
 
+def test_answers_are_those_of_64_bits_without_jax_in_64_bit_mode():
+    model = TexelModel(normal=False)
+    texels = made(model, 4, images=16)
+    pixels = np.asarray(texels.samples.values)
+    with jax.enable_x64(new_val=False):
+        narrow = fit_pixels(model, texels.wi, texels.wo, pixels, NOISE)
+    wide = fit_pixels(model, texels.wi, texels.wo, pixels, NOISE)
+    np.testing.assert_array_equal(narrow.maps["specularlobe"].values, wide.maps["specularlobe"].values)
+
+
+@pytest.mark.slow
 def test_a_round_lobe_has_no_rotation():
     model = TexelModel(anisotropic=True, normal=False)
     texels = made(TexelModel(normal=False), 32)
-    fitted = fit_pixels(model, texels.samples.light, np.asarray(texels.samples.values), NOISE)
+    fitted = fit_pixels(model, texels.wi, texels.wo, np.asarray(texels.samples.values), NOISE)
     undetermined = np.isnan(fitted.maps["anisrotation"].errors)
     assert undetermined.mean() > 0.9
     assert np.isfinite(fitted.maps["specularlobe"].errors).all()
