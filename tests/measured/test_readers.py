@@ -63,7 +63,7 @@ def test_a_truncated_file_is_refused(made, tmp_path):
 
 def test_swapped_bytes_are_refused(made, tmp_path):
     data = made.read_bytes()
-    for size in (2, 4, 8):
+    for size in (2,) if made.suffix in TEXT else (4, 8):
         whole = np.frombuffer(data[: len(data) // size * size], f">u{size}")
         is_refused(tmp_path / made.name, whole.astype(f"<u{size}").tobytes() + data[whole.nbytes :])
 
