@@ -4,6 +4,7 @@ from typing import Any
 
 import jax
 import numpy as np
+import pytest
 
 from experiments import common
 
@@ -29,6 +30,10 @@ def recomputed(name: str) -> dict[str, Any]:
         return common.rounded(common.load(name).subset())
 
 
+def test_half_or_unorm():
+    assert_same(recomputed("02_half_or_unorm"), common.committed("02_half_or_unorm")["subset"])
+
+
 def test_slice_lut():
     found, committed = recomputed("04_slice_lut"), common.committed("04_slice_lut")
     assert_same(found["lost"], committed["lost"])
@@ -43,3 +48,12 @@ def test_the_slice_tables_answer():
     assert lost["half texel, float32 product, truncated"]["lost"] == 131
     assert lost["float32, 0.6 ULP low, truncated"]["lost"] == 55
     assert lost["R8_UINT, truncated"]["lost"] == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["01_what_importers_lose", "03_is_half_enough"])
+def test_pictures_of_one_paint(name):
+    found, committed = recomputed(name), common.committed(name)["materials"]
+    assert found
+    for material, rows in found.items():
+        assert_same(rows, committed[material])
