@@ -39,8 +39,8 @@ def schema() -> dict[str, Any]:
 def describe(measurements: Measurements) -> dict[str, Any]:
     """Everything `axffit measured` says, JSON-ready, by :func:`schema`.
 
-    - coverage: samples per cell of half and difference angle, and the share of the cells that hold one, of those whose
-      directions can be above the horizon.
+    - coverage: samples per cell of half and difference angle, and the share of the cells that hold one (every cell has
+      directions above the horizon, those of phi_d = 90 degrees).
     - negatives: how many values of valid samples, their share and the least one.
     - reciprocity: over pairs of samples whose directions are swapped (turned about the normal where isotropic),
       RMS of f(i, o) - f(o, i) over the RMS of f; None without pairs.
@@ -134,14 +134,11 @@ def _coverage(measurements: Measurements) -> dict[str, Any]:
     half_edges = 0.5 * np.pi * np.linspace(0.0, 1.0, HALF_CELLS + 1) ** 2
     difference_edges = np.linspace(0.0, 0.5 * np.pi, DIFFERENCE_CELLS + 1)
     counts, _, _ = np.histogram2d(theta_d, theta_h, [difference_edges, half_edges])
-    # Both directions at phi_d = 90 degrees are above the horizon wherever those at any phi_d are.
-    middle_h, middle_d = 0.5 * (half_edges[1:] + half_edges[:-1]), 0.5 * (difference_edges[1:] + difference_edges[:-1])
-    reachable = np.cos(middle_d)[:, None] * np.cos(middle_h)[None, :] > 0
     return {
         "half_edges_degrees": [round(float(x), 4) for x in np.degrees(half_edges)],
         "difference_edges_degrees": [round(float(x), 4) for x in np.degrees(difference_edges)],
         "counts": counts.astype(int).tolist(),
-        "filled_share": _number(np.count_nonzero(counts[reachable]) / np.count_nonzero(reachable)),
+        "filled_share": _number(np.count_nonzero(counts) / counts.size),
     }
 
 
