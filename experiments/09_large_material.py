@@ -112,6 +112,7 @@ def verified(size: int, folder: Path) -> dict[str, Any]:
         "peak_mib": result["peak"] / 2**20,
         "seconds": result["seconds"],
         "progress": result["progress"],
+        "cells": result["verdict"]["brdf"]["bounds"]["cells"],
         "errors": errors(result["verdict"]),
     }
 
@@ -124,12 +125,15 @@ def subset() -> dict[str, Any]:
 
 def report(large: dict[str, Any]) -> str:
     """report.md."""
+    cells = large["cells"]
+    third = f"bounded over {cells} texel classes" if cells else "sampled, its bound left out"
     rows = [(name, row["unit"], row["max"], row["texels"], row["total"]) for name, row in large["errors"].items()]
     return (
         f"# A material of {large['size']}² texels\n\n"
         f"`axffit verify` of {large['file_mib']:.0f} MiB (every map, float32 noise): peak memory "
         f"{large['peak_mib']:.0f} MiB of the {LIMIT / 2**20:.0f} allowed, {large['seconds']:.0f} s on cores that "
-        f"others use as well. Shown on stderr: {len(large['progress'])} stages.\n\n"
+        f"others use as well. Shown on stderr: {len(large['progress'])} stages. Every "
+        f"texel of every map is measured; the reflectance is {third}.\n\n"
         + common.table(("map and measure", "unit", "largest", "texels measured", "of"), rows)
     )
 
