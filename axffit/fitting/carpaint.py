@@ -2,7 +2,8 @@
 
 1. Lobes on luminance (Rec. 709), the table's luminance being 1 everywhere. Standard errors of b come from here.
 2. The color table for these lobes, per channel; texels that no sample touches are marked and stay 0.
-3. Lobes and table together, the table eliminated (``axffit.fitting.joint``), started from the lobes with one color.
+3. Lobes and table together, the table eliminated (``axffit.fitting.joint``), started from the lobes with one color,
+   those of stage 1 and those that the cosine metric finds; the lower cost counts.
    Errors of the lobes are conditional on the table.
 
 f fixes chi and b up to a factor: the data-weighted mean luminance of chi is 1.
@@ -23,16 +24,17 @@ from axffit.fitting.lobes import Lobes, canonical
 from axffit.fitting.metrics import Metrics, evaluate_samples, metrics_of
 from axffit.fitting.models import CarPaintModel, Shapes
 from axffit.fitting.parameters import ParameterEstimate
-from axffit.fitting.residuals import AbstractResidual
+from axffit.fitting.residuals import AbstractResidual, CosineWeighted
 from axffit.fitting.result import Outcome, Stage
-from axffit.fitting.separable import SeparableProblem, Solution, best_weights, make_problem
-from axffit.fitting.starts import minimize
+from axffit.fitting.separable import SeparableProblem, Solution, best_weights, cost_at, make_problem
+from axffit.fitting.starts import minimize, subsample
 from axffit.fitting.studies import Study, make_study
 from axffit.fitting.table import TableDesign
 from axffit.frames import directions_to_half_difference, refract
 from axffit.measured import REC709_LUMINANCE, Measurements
 
 Progress = Callable[[str, float], None]
+_PEAK_SAMPLES = 2048
 
 
 def luminance(measurements: Measurements) -> Measurements:
@@ -107,11 +109,17 @@ def fit_car_paint(
         outcome = _outcome(converged=bool(first.converged), cost=float(first.cost))
         return {"model": plain, "outcome": outcome, "stages": (stage,), **first_estimates.fields(), **studied}
     joint = _joint_problem(model, problem, measurements, size, smoothing)
-    raw = np.asarray(start_tree(model.bounds(), scaled.shapes).roughness)
-    start = (raw, np.asarray(scaled.weights)[:, 0], np.repeat(color[None, :], size * size, axis=0))
+    start = _joint_start(model, scaled, color, size)
     joint.set_penalty(*start)
     table_only = joint.minimize(*start, free_lobes=False, max_steps=max_steps, progress=progress)
-    together = joint.minimize(*start, free_lobes=True, max_steps=max_steps, progress=progress)
+    peak_color, peak = _one_color(problem, _peak_lobes(model, gray_problem, measurements, max_steps))
+    together = min(
+        (
+            joint.minimize(*one, free_lobes=True, max_steps=max_steps, progress=progress)
+            for one in (start, _joint_start(model, peak, peak_color, size))
+        ),
+        key=lambda result: result.state.cost,
+    )
     if together.state.cost > table_only.state.cost:
         # A narrow valley can hold the joint loop; from the finished table it cannot end worse than it.
         state = table_only.state
@@ -133,6 +141,24 @@ def fit_car_paint(
         "measured_texels": joint.design.measured.reshape(size, size),
         "notes": _notes(joint.design),
     }
+
+
+def _joint_start(
+    model: CarPaintModel, lobes: Lobes, color: np.ndarray, size: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Raw spreads, weights and table of one color to start from."""
+    raw = np.asarray(start_tree(model.bounds(), lobes.shapes).roughness)
+    return raw, np.asarray(lobes.weights)[:, 0], np.repeat(color[None, :], size * size, axis=0)
+
+
+def _peak_lobes(
+    model: CarPaintModel, gray_problem: SeparableProblem, measurements: Measurements, max_steps: int
+) -> Lobes:
+    """Lobes of the cosine metric, which sees the peak: a second start, since the joint problem has many minima."""
+    gray, residual = luminance(measurements), CosineWeighted()
+    problem = subsample(make_problem(model, residual, gray, residual.prepare(gray)), _PEAK_SAMPLES)
+    shapes = minimize(problem, max_steps=max_steps).shapes
+    return Lobes(shapes, cost_at(gray_problem, shapes)[1])
 
 
 def _one_color(problem: SeparableProblem, lobes: Lobes) -> tuple[np.ndarray, Lobes]:

@@ -37,7 +37,7 @@ def fit(
     *,
     residual: AbstractResidual | None = None,
     color_table: int = 64,
-    smoothing: float = 1e-3,
+    smoothing: float = 1e-4,
     polar_limit: float = POLAR_LIMIT,
     negatives: Negatives = "clip",
     passive: bool = False,

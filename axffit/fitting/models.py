@@ -24,7 +24,7 @@ from axffit.fitting.bijections import Interval, LogInterval
 ROUGHNESS_BOUNDS = (1e-3, 10.0)
 """Spreads of real paints reach 8; below 0.001 no sampled BRDF resolves a lobe."""
 
-SCAN_ROUGHNESSES = np.geomspace(0.012, 4.0, 14)
+SCAN_ROUGHNESSES = np.geomspace(0.005, 4.0, 14)
 """Roughnesses that the scans for a start try."""
 
 Directions = Float[Array, "n 3"]

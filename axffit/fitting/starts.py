@@ -11,6 +11,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float, Int
 
 from axffit import brdf as brdfs
 from axffit.fitting.models import SCAN_ROUGHNESSES, AbstractLobeModel, Shapes
@@ -20,6 +21,7 @@ from axffit.fitting.separable import EDGE, SeparableProblem, Solution, cost_at, 
 POLISHED = 6
 FINISHED = 3
 _ROUGH, _MIDDLE, _FINE = 0.02, 1e-4, 1e-5
+_APART = 2
 _NEAR = 0.1
 _INSIDE = 1e-4
 SUBSAMPLE, _SMALLEST = 8192, 2048
@@ -57,20 +59,34 @@ def _scan(problem: SeparableProblem, model: AbstractLobeModel, roughnesses, choi
 
 
 def scanned_starts(problem: SeparableProblem, model: AbstractLobeModel, count: int) -> Shapes:
-    """The ``count`` best starts, best first, by the linearized cost, on a leading axis; may be traced by JAX.
+    """The ``count`` best starts by the linearized cost, best first, on a leading axis; may be traced by JAX.
 
+    Each is at least two steps of the scan in some lobe away from those before it: the best few choices are neighbors
+    and mostly end in the same minimum.
     A fitted F0 starts at p / (p + q) of all channels' and lobes' sums, kept off its bounds.
     """
     choices = np.array(list(combinations(range(len(SCAN_ROUGHNESSES)), model.lobe_count)))
     count = min(count, len(choices))
     cost, weights = _scan(problem, model, jnp.asarray(SCAN_ROUGHNESSES), jnp.asarray(choices))
-    best = jnp.argsort(cost, stable=True)[:count]
+    best = _spread_out(cost, jnp.asarray(choices), count)
     f0 = None
     if model.bounds().f0 is not None:
         p, q = (jnp.sum(weights[best][:, :, first::2], axis=(1, 2)) for first in (1, 2))
         lit = p + q > 0
         f0 = jnp.where(lit, jnp.clip(p / jnp.where(lit, p + q, 1.0), 0.02, 0.9), 0.5)
     return Shapes(jnp.asarray(SCAN_ROUGHNESSES)[jnp.asarray(choices)[best]], f0)
+
+
+def _spread_out(cost: Float[Array, " n"], choices: Int[Array, "n k"], count: int) -> Int[Array, " count"]:
+    """Indices of the ``count`` least costs whose choices are apart."""
+    left = jnp.where(jnp.isfinite(cost), cost, jnp.inf)
+    found = []
+    for _ in range(count):
+        best = jnp.argmin(left)
+        found.append(best)
+        distance = jnp.max(jnp.abs(choices - choices[best][None, :]), axis=1)
+        left = jnp.where(distance < _APART, jnp.inf, left)
+    return jnp.stack(found)
 
 
 def scan(problem: SeparableProblem, *, count: int = 3) -> list[Shapes]:
