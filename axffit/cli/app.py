@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from axffit import __version__
-from axffit.cli import compare, demo, diff, export, fit, fit_maps, import_, inspect, measured, verify
+from axffit.cli import compare, demo, diff, export, fit, fit_maps, import_, inspect, measured, refit, verify
 
 HELP = """What an AxF material reflects, which lobes explain a measurement,
 what a texture format loses.
@@ -52,6 +52,7 @@ for _name, _verb in {
     "verify": verify,
     "compare": compare,
     "fit": fit,
+    "refit": refit,
     "fit-maps": fit_maps,
     "demo": demo,
 }.items():
