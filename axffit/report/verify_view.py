@@ -32,6 +32,13 @@ MEASURES = {
     ("delta_e_2000", "dE2000"): "ΔE 2000",
     ("f0", ""): "F0",
     ("ior", ""): "IOR",
+    ("filtered_angle", "degrees"): "angle between texels",
+    ("filtered_length", ""): "length lost between texels",
+    ("filtered_axis_angle", "degrees"): "axis angle between texels",
+    ("filtered_f0", ""): "F0 between texels",
+    ("filtered_ior", ""): "IOR between texels",
+    ("filtered_relative", ""): "relative between texels",
+    ("filtered_absolute", ""): "absolute between texels",
 }
 
 UNITS = {"degrees": "°", "mm": "mm", "dE2000": ""}
@@ -135,7 +142,7 @@ def _texture(row: Mapping[str, Any], error_map: Mapping[str, Any] | None) -> dic
 
 
 def _is_ratio(quantity: str, unit: str) -> bool:
-    return quantity == "relative" and not unit
+    return quantity in ("relative", "filtered_relative") and not unit
 
 
 def _quantity(value: float | None, quantity: str, unit: str, digits: int = 3) -> str:
@@ -155,13 +162,17 @@ def _measure(measure: Mapping[str, Any]) -> dict[str, Any]:
     statistic = STATISTICS.get(measure["statistic"] or "", "")
     shown = MISSING if limit is None else _limit(limit, quantity, unit)
     return {
-        "label": MEASURES.get((quantity, unit), quantity.replace("_", " ")),
+        "label": MEASURES.get((quantity, unit), quantity.replace("_", " ")) + _level(measure),
         "values": [_quantity(measure[name], quantity, unit) for name in ("mean", "p95", "max")],
         "tolerance": shown,
         "of": f"of {statistic}" if limit is not None and statistic != "max" else "",
         "judged": limit is not None,
         "within": measure["within"],
     }
+
+
+def _level(measure: Mapping[str, Any]) -> str:
+    return "" if measure["level"] is None else f", level {measure['level']}"
 
 
 def _limit(limit: float, quantity: str, unit: str) -> str:
@@ -193,6 +204,8 @@ def _remarks(row: Mapping[str, Any]) -> list[str]:
         remarks.append(f"{texels(row['folded'])} come back as another value (n < 1 as 1/n)")
     if row["floored"]:
         remarks.append(f"{texels(row['floored'])} of roughness read as 10⁻⁴")
+    if row["non_finite"]:
+        remarks.append(f"{texels(row['non_finite'])} not a number or infinite in the shader")
     return remarks
 
 
