@@ -8,9 +8,13 @@ of what comes back, not the engine's own shading model.
 """
 
 import sys
+from pathlib import Path
 from typing import Any
 
+import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import LogNorm
 
 from axffit.axf import AxfMaterial
 from axffit.targets import TARGETS
@@ -54,7 +58,24 @@ def main(*, quick: bool = False) -> None:
         "materials": results,
         "summary": summary(results),
     }
-    common.write(__file__, data, text(data))
+    plot(data, common.write(__file__, data, text(data)) / "delta_e.png")
+
+
+def plot(data: dict[str, Any], file: Path) -> None:
+    """dE2000 in 99 % of the pixels, a row a material, a column a target."""
+    matplotlib.use("agg")
+    values = np.array([[row[target]["delta_e_p99"] for target in TARGETS] for row in data["materials"].values()])
+    figure, axes = plt.subplots(figsize=(8.5, 1.3 + 0.34 * len(values)), layout="constrained")
+    image = axes.imshow(values, norm=LogNorm(0.01, 30.0), cmap="viridis", aspect="auto")
+    for (row, column), value in np.ndenumerate(values):
+        axes.text(
+            column, row, f"{value:.2g}", ha="center", va="center", fontsize=8, color="black" if value > 1.0 else "white"
+        )
+    axes.set_xticks(range(len(TARGETS)), list(TARGETS), fontsize=8)
+    axes.set_yticks(range(len(values)), [name.removesuffix(" (synthetic)") for name in data["materials"]], fontsize=8)
+    figure.colorbar(image, label="dE2000, 99 % of the pixels")
+    figure.savefig(file, dpi=90, metadata={"Software": None})
+    plt.close(figure)
 
 
 def summary(results: dict[str, Any]) -> dict[str, Any]:
@@ -94,6 +115,8 @@ dE2000 {VISIBLE:g} there. Measured is what comes back as an AxF material, not th
 {common.table(head, body)}
 
 dE2000, 99 % of the pixels:
+
+![dE2000 by material and target](delta_e.png)
 
 {common.table(["Material", *rows], each)}
 
