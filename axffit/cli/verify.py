@@ -11,6 +11,7 @@ from axffit.cli import _options
 from axffit.cli._materials import Wanted, axf_files, wanted_materials
 from axffit.cli._output import Results, check_outputs, json_text, write_all
 from axffit.cli._progress import ProgressCallback, progress_on_stderr
+from axffit.cli._suggest import check_target_alone, suggested, suggestion_parts
 from axffit.cli._tables import judged_parts, show
 from axffit.errors import InputError
 
@@ -43,6 +44,7 @@ Examples
   axffit verify paint.axf fabrics --junit verdicts.xml
   axffit verify steel.axf --packed exported --tolerance studio.toml
   axffit verify steel.axf --packed-for unity_2018 --read-by hdrp_10
+  axffit verify steel.axf --suggest
 """
 
 
@@ -187,6 +189,9 @@ def command(
         Path | None, typer.Option(metavar="FILE", help="Write the checks as JUnit XML to this file.")
     ] = None,
     html: _options.Html = None,
+    suggest: Annotated[
+        bool, typer.Option("--suggest", help="Show each texture's cheapest format that keeps the tolerance.")
+    ] = False,
     pictures: Annotated[
         bool,
         typer.Option("--pictures/--no-pictures", help="Whether the page shows spheres and a body: they take time."),
@@ -194,6 +199,8 @@ def command(
 ) -> None:
     """The verb as typer calls it; see `HELP`."""
     check_outputs([json, junit, html], axf_files(files))
+    if suggest:
+        check_target_alone(packed, packed_for, read_by)
     options = {"target": target, "packed_for": packed_for, "read_by": read_by, "packed": packed}
     options |= {"tolerance": tolerance, "material": material}
     with progress_on_stderr() as progress:
@@ -204,7 +211,10 @@ def command(
 
         judged, sections = [], []
         for item in verified:
-            judged.append(Judged.of(item.verdict, item.file, item.packed))
+            suggestion = None
+            if suggest:
+                suggestion = suggested(item.material, item.verdict, tolerance, progress, bounds=not no_bounds)
+            judged.append(Judged.of(item.verdict, item.file, item.packed, suggestion))
             if html is not None:
                 progress("drawing the page", 0.0)
                 shown = item.material if pictures else None
@@ -220,9 +230,10 @@ def command(
             made_by = report.Run(
                 _options.command_line("verify", files, named)
                 + " --no-bounds" * no_bounds
+                + " --suggest" * suggest
                 + " --no-pictures" * (not pictures)
             )
             results[html] = report.verdict_page(sections, made_by).html
     write_all(results)
-    show(*judged_parts(content))
+    show(*suggestion_parts(content), *judged_parts(content))
     raise typer.Exit(0 if content["within"] else 1)

@@ -26,6 +26,11 @@ class Check:
         """Whether the value is allowed."""
         return self.tolerance is None or self.tolerance.allows(self.value)
 
+    def __str__(self) -> str:
+        """The value against the limit, as a failure reads."""
+        limit = "no limit" if self.tolerance is None else f"{self.tolerance.limit:.4g}"
+        return f"{self.name}: {self.value:.4g} > {limit}"
+
     def to_json(self) -> dict[str, Any]:
         """Limit and outcome as JSON; a limit of infinity is null, as no limit is."""
         limit = None if self.tolerance is None else finite_or_none(self.tolerance.limit)

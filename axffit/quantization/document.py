@@ -8,6 +8,7 @@ from typing import Any
 
 from .. import __version__
 from . import verdict as verdicts
+from .suggest import Suggestion
 from .verdict import Verdict
 
 SCHEMA_VERSION = 1
@@ -21,20 +22,26 @@ class Judged:
         verdict: its JSON.
         file: the .axf file, as it was named.
         packed: the folder of packed textures another program wrote, or None where axffit packed.
+        suggestion: the JSON of the cheapest formats, or None where they were not asked for.
     """
 
     verdict: Mapping[str, Any]
     file: str
     packed: str | None = None
+    suggestion: Mapping[str, Any] | None = None
 
     @classmethod
-    def of(cls, verdict: Verdict, file: object, packed: object | None = None) -> "Judged":
-        """The same of a verdict and of paths."""
-        return cls(verdict.to_json(), str(file), None if packed is None else str(packed))
+    def of(
+        cls, verdict: Verdict, file: object, packed: object | None = None, suggestion: Suggestion | None = None
+    ) -> "Judged":
+        """The same of objects and of paths."""
+        suggested = None if suggestion is None else suggestion.to_json()
+        return cls(verdict.to_json(), str(file), None if packed is None else str(packed), suggested)
 
     def to_json(self) -> dict[str, Any]:
         """An entry of the document."""
-        return {"file": self.file, "packed": self.packed, "verdict": dict(self.verdict)}
+        content: dict[str, Any] = {"file": self.file, "packed": self.packed, "verdict": dict(self.verdict)}
+        return content if self.suggestion is None else {**content, "suggestion": dict(self.suggestion)}
 
 
 def document(judged: Sequence[Judged]) -> dict[str, Any]:

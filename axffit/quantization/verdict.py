@@ -13,7 +13,9 @@ from ..targets import PackedTexture, Problem
 from .brdf_verdict import BrdfVerdict
 from .checks import Check as Check
 from .diagnosis import Fault
+from .maps import MapErrors
 from .statistics import Statistics
+from .tolerances import Tolerances
 
 SCHEMA_VERSION = 1
 
@@ -33,6 +35,18 @@ class TextureVerdict:
     measures: tuple[tuple[Statistics, Check], ...]
     reading: str
     non_finite: int
+
+    @classmethod
+    def judged(cls, packed: PackedTexture, reading: str, errors: MapErrors, tolerances: Tolerances) -> "TextureVerdict":
+        """The verdict of measured errors, each against the limit of its texture, measure and level."""
+        measures = []
+        for statistics in errors.statistics:
+            level = "" if statistics.level is None else f".level.{statistics.level}"
+            name = f"textures.{packed.axf_name}.{statistics.measure}{level}"
+            tolerance = tolerances.get(name)
+            value = statistics.value(tolerance.statistic if tolerance is not None else "max")
+            measures.append((statistics, Check(name, value, tolerance)))
+        return cls(packed, tuple(measures), reading, errors.non_finite)
 
     @property
     def within(self) -> bool:
@@ -136,11 +150,7 @@ class Verdict:
 
     def failures(self) -> tuple[str, ...]:
         """What is outside, one line each, named faults first; empty when within."""
-        outside = [
-            f"{check.name}: {check.value:.4g} > {check.tolerance.limit:.4g}{self.brdf.basis(check)}"
-            for check in self.checks()
-            if check.tolerance is not None and not check.within
-        ]
+        outside = [f"{check}{self.brdf.basis(check)}" for check in self.checks() if not check.within]
         return (*map(str, self.faults), *outside, *map(str, self.problems))
 
     def engines(self) -> str:

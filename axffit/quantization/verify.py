@@ -113,7 +113,7 @@ def verify_packed(
         errors[texture.name] = map_errors(original, texture, module.reading(texture, packed.values), apart)
     report("measuring map errors", 1.0)
     textures = tuple(
-        _texture_verdict(t, module.reading(t, packed.values).formula, errors[t.name], tolerances) for t in readable
+        TextureVerdict.judged(t, module.reading(t, packed.values).formula, errors[t.name], tolerances) for t in readable
     )
     faults: list[Fault] = []
     if foreign:
@@ -181,17 +181,6 @@ def _original(material: AxfMaterial, texture: PackedTexture, defaults: Mapping[s
         return material.textures[texture.axf_name]
     values = defaults[texture.axf_name]
     return AxfTexture(tuple(np.broadcast_to(values, (*level.shape[:-1], values.size)) for level in texture.levels))
-
-
-def _texture_verdict(packed: PackedTexture, reading: str, errors: MapErrors, tolerances: Tolerances) -> TextureVerdict:
-    measures = []
-    for statistics in errors.statistics:
-        level = "" if statistics.level is None else f".level.{statistics.level}"
-        name = f"textures.{packed.axf_name}.{statistics.measure}{level}"
-        tolerance = tolerances.get(name)
-        value = statistics.value(tolerance.statistic if tolerance is not None else "max")
-        measures.append((statistics, Check(name, value, tolerance)))
-    return TextureVerdict(packed, tuple(measures), reading, errors.non_finite)
 
 
 def _table_faults(material: AxfMaterial, packed: PackedMaterial, module: ModuleType) -> Iterator[Fault]:
