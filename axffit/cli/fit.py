@@ -2,9 +2,10 @@
 
 import math
 import re
+import shlex
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -98,6 +99,8 @@ def run(
     ior: float = 1.5,
     polar_limit: float = POLAR_LIMIT_DEGREES,
     negatives: "Negatives" = "clip",
+    profiles: tuple[str, ...] = (),
+    bootstrap: int = 0,
     progress: ProgressCallback | None = None,
 ) -> Fitted:
     """Fits a model to samples.
@@ -112,6 +115,8 @@ def run(
         ior: index of refraction of the coat.
         polar_limit: samples with a larger polar angle (degrees) of either direction are left out.
         negatives: ``"clip"``: they count as 0; ``"leave out"``: samples with one are left out.
+        profiles: names of parameters to profile, or ``("all",)``.
+        bootstrap: fits of a bootstrap; 0 for none.
         progress: called with what is being done and how much of it is (0 to 1).
 
     Raises:
@@ -123,7 +128,16 @@ def run(
     known_f0 = None if f0 is None else fitting.parse_f0(f0)
     fit_model = fitting.parse_model(model, lobes=lobes, f0=known_f0, ior=ior) if isinstance(model, str) else model
     samples = measured.to_rgb(measured.read(samples_file, material))
-    result = fitting.fit(fit_model, samples, residual=chosen, polar_limit=limit, negatives=negatives, progress=progress)
+    study = fitting.Study(tuple(profiles), bootstrap)
+    result = fitting.fit(
+        fit_model,
+        samples,
+        residual=chosen,
+        polar_limit=limit,
+        negatives=negatives,
+        study=study,
+        progress=progress,
+    )
     return Fitted(result, samples, measured.interpolant(samples_file, material))
 
 
@@ -161,6 +175,29 @@ def as_material(fitted: Fitted) -> "AxfMaterial":
         },
         metadata={"fitted_by": f"axffit {__version__}", "fitted_model": fitted.result.model_name},
     )
+
+
+def _study_parts(content: dict[str, Any]) -> list[object]:
+    """Intervals of profiles and bootstrap; an open end of a profile is said to be open."""
+
+    def end(value: float | None, otherwise: str) -> str:
+        return otherwise if value is None else f"{value:.4g}"
+
+    parts: list[object] = []
+    if content["profiles"]:
+        rows = [(one["name"], end(one["low"], "open"), end(one["high"], "open")) for one in content["profiles"]]
+        parts.append(table(("95 % by profile", "from", "to"), rows))
+        parts += [f"note: held elsewhere, {one['name']} gives a better fit: this is not the lowest minimum"
+                  for one in content["profiles"] if one["lower_cost_found"]]  # fmt: skip
+    if content["bootstrap"] is not None:
+        found = content["bootstrap"]
+        rows = [
+            (one["name"], f"{one['standard_deviation']:.3g}", end(one["low"], "-"), end(one["high"], "-"))
+            for one in found["parameters"]
+        ]
+        heading = f"95 % by bootstrap, {found['converged']} of {found['count']} fits"
+        parts.append(table((heading, "standard deviation", "from", "to"), rows))
+    return parts
 
 
 def _selection_table(selection: "Selection") -> object:
@@ -226,6 +263,13 @@ def command(
         float,
         typer.Option(metavar="DEGREES", help="Leave out samples with a larger polar angle of light or viewer."),
     ] = POLAR_LIMIT_DEGREES,
+    profile: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Profile likelihood of a parameter, as 'spread 1'; repeatable; or all."),
+    ] = None,
+    bootstrap: Annotated[
+        int, typer.Option(metavar="N", help="Fit N times again to samples drawn with replacement; 200 is usual.")
+    ] = 0,
     json: _options.Json = None,
     html: _options.Html = None,
     out: Annotated[Path | None, typer.Option(metavar="FITTED.axf", help="Write the fitted car paint as AxF.")] = None,
@@ -252,6 +296,8 @@ def command(
             ior=ior,
             polar_limit=polar_limit,
             negatives="leave out" if leave_out_negatives else "clip",
+            profiles=tuple(profile or ()),
+            bootstrap=bootstrap,
             progress=progress,
         )
         if selection is not None:
@@ -274,8 +320,10 @@ def command(
                 "ior": ior,
             }
             options["polar-limit"] = polar_limit
+            options["bootstrap"] = bootstrap or None
             flags = {"--select": select, "--leave-out-negatives": leave_out_negatives}
             words = [_options.command_line("fit", [samples_file], options), *(flag for flag in flags if flags[flag])]
+            words += [shlex.join(["--profile", name]) for name in profile or ()]
             made_by = report.Run(" ".join(words))
             results[html] = report.fit_page([report.FittedSamples(*fitted)], made_by).html
         if out is not None and fitted.result.model is not None:
@@ -289,5 +337,6 @@ def command(
         typer.echo(f"axffit: there is no fitted model, not written: {', '.join(left_out)}", err=True)
     if selection is not None:
         show(_selection_table(selection))
-    show(*fit_parts(content))
+    *parts, advice = fit_parts(content)
+    show(*parts, *_study_parts(content), advice)
     raise typer.Exit(0 if fitted.result.outcome.ok else 1)

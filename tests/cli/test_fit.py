@@ -29,6 +29,21 @@ def test_a_fit_shows_parameters_metrics_and_outcome(tmp_path, capsys):
     assert f"axffit fit {SAMPLES} --model lambert+coat --ior 1.5" in results[1].read_text()
 
 
+def test_profiles_and_bootstrap_are_shown_on_request(tmp_path, capsys):
+    result = tmp_path / "fit.json"
+    options = ["--model", "lambert", "--profile", "diffuse G", "--bootstrap", "40", "--json", str(result)]
+    assert dispatch(["fit", str(SAMPLES), *options]) == 0
+    content = json.loads(result.read_text())
+    jsonschema.validate(content, schema())
+    assert [profile["name"] for profile in content["profiles"]] == ["diffuse G"]
+    assert content["bootstrap"]["count"] == 40
+    shown = capsys.readouterr().out
+    assert "95 % by profile" in shown
+    assert "95 % by bootstrap, 40 of 40 fits" in shown
+    assert dispatch(["fit", str(SAMPLES), "--model", "lambert", "--profile", "gloss"]) == 2
+    assert "no profile of 'gloss': this model has diffuse R" in capsys.readouterr().err
+
+
 def test_samples_that_allow_no_fit_end_in_1_with_advice_and_without_a_page(tmp_path, capsys):
     path = tmp_path / "black.mbsdf"
     mbsdf.write_table(path, np.zeros((4, 4, 8, 3)))
