@@ -31,7 +31,7 @@ def table(columns: Iterable[str], rows: Iterable[Iterable[str]], *, text_columns
 
 def verdict_parts(content: Content) -> list[object]:
     """A verdict: one row a texture, the levels above the textures, what is wrong, and the outcome."""
-    from axffit.report.numbers import number, significant
+    from axffit.report.numbers import number, percent, significant
     from axffit.report.summary import engines
 
     rows = [
@@ -56,6 +56,12 @@ def verdict_parts(content: Content) -> list[object]:
         f"(tolerance {number(row['tolerance'])}), " + ("within" if row["within"] else "OUTSIDE")
         for row in content["brdf"]["rows"]
     ]
+    colors = [f"{each['illuminant']} {significant(each['max'], 2)}" for each in content["brdf"]["colors"]]
+    if colors:
+        parts.append(f"reflected color, largest dE2000 found: {', '.join(colors)}")
+    expected = [f"{each['lighting']} {percent(each['light'], 2)}" for each in content["brdf"]["expected"]]
+    if expected:
+        parts.append(f"reflected light, expected error: {', '.join(expected)}")
     if not content["brdf"]["evaluated"]:
         parts.append(f"reflectance: not evaluated, {content['brdf']['reason']}")
     if content["lut"] is not None:

@@ -3,11 +3,12 @@
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
 from axffit.cli import _options
+from axffit.cli._lightings import lightings
 from axffit.cli._materials import Wanted, axf_files, wanted_materials
 from axffit.cli._output import Results, check_outputs, json_text, write_all
 from axffit.cli._progress import ProgressCallback, progress_on_stderr
@@ -107,6 +108,7 @@ def run(
     # The last file is kept, so that a single one is read once.
     read = lru_cache(maxsize=1)(axf.read)
     wanted = wanted_materials(axf_files(files), read, material, packed)
+    reflectance: dict[str, Any] = {"bounds": bounds, "lightings": lightings()}
     say = progress or (lambda stage, fraction: None)
 
     def judged(each: Wanted) -> Verified:
@@ -118,7 +120,7 @@ def run(
 
         try:
             if each.packed is not None:
-                verdict = _of_packed(original, each.packed, limits, read_by, stages, bounds=bounds)
+                verdict = _of_packed(original, each.packed, limits, read_by, stages, **reflectance)
             else:
                 verdict = quantization.verify(
                     original,
@@ -126,8 +128,8 @@ def run(
                     limits,
                     packed_for=packed_for,
                     read_by=read_by,
-                    bounds=bounds,
                     progress=stages,
+                    **reflectance,
                 )
         except InputError as error:
             raise InputError(f"{each.file}: {error}") from error
@@ -142,8 +144,7 @@ def _of_packed(
     limits: "Tolerances",
     read_by: str | None,
     progress: ProgressCallback,
-    *,
-    bounds: bool,
+    **options: Any,
 ) -> "Verdict":
     from axffit.quantization import verify_packed
     from axffit.targets.folder import read_packed
@@ -151,7 +152,7 @@ def _of_packed(
 
     packed = read_packed(folder)
     try:
-        return verify_packed(original, packed, limits, read_by=read_by, bounds=bounds, progress=progress)
+        return verify_packed(original, packed, limits, read_by=read_by, progress=progress, **options)
     except (TypeError, KeyError, IndexError, ValueError, OverflowError, ArithmeticError) as error:
         # Values of types and numbers no packing makes; `InputError` is a `ValueError` and says which.
         raise InputError(f"{folder / FILE}: cannot be read as {packed.target} ({error})") from error

@@ -75,7 +75,7 @@ def _again(texels: LocalTexels, kept: Mapping[str, Pairs], even: np.ndarray) -> 
     )
     wi = jnp.concatenate([dense, followed, own], axis=2)
     normals = normals_of(texels.frames, part)
-    errors, _ = errors_at(texels.before.take(part), texels.after.take(part), normals, wi, jnp.asarray(wo))
+    errors, _, _ = errors_at(texels.before.take(part), texels.after.take(part), normals, wi, jnp.asarray(wo))
     found, first = {}, 0
     for kind, mine in kept.items():
         run = slice(first, first := first + len(mine.texel))

@@ -14,7 +14,7 @@ enter within 1° of the base's horizon or below it, and views whose mirror direc
 What is found is a lower bound of the texels' largest error; `material_bounds` is the upper one, of all texels.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -23,16 +23,21 @@ import numpy as np
 
 from ..axf import AxfMaterial
 from .ascent import ascend
+from .colors import ILLUMINANTS, ColorError, color_differences, color_errors, exposed
 from .definitions import BATCH, KINDS, Pairs, errors_at, lights_of, normals_of
 from .definitions import RELEVANT as RELEVANT
 from .directions import VIEW_POLAR, even_lights, views
+from .expected import UNIFORM, Expected, Lighting, Tally, posed, uniform_irradiance
 from .local import local_texels
-from .measures import COLORS
+from .measures import COLORS, has_color_science
 from .statistics import finite_or_none
 
 EVEN_LIGHTS = 60
 STARTS = 512
 """Ascents for each definition."""
+
+STRIDE = 4
+"""Every so many lights are looked at as colors."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +70,8 @@ class BrdfErrors:
         peak_relative: definition (b).
         log_ratio: definition (c).
         strip: definition (b) near the horizon, see above.
+        colors: dE2000 of the reflected color by illuminant; empty without colour-science.
+        expected: expected errors by lighting, the uniform one first.
         texels: texels sampled.
         views: views of each.
         lights: lights of each view.
@@ -74,6 +81,8 @@ class BrdfErrors:
     peak_relative: Found
     log_ratio: Found
     strip: Found
+    colors: tuple[ColorError, ...]
+    expected: tuple[Expected, ...]
     texels: int
     views: int
     lights: int
@@ -88,7 +97,11 @@ class BrdfErrors:
 
 
 def brdf_errors(
-    before: AxfMaterial, after: AxfMaterial, uv: np.ndarray, progress: Callable[[float], None] = lambda fraction: None
+    before: AxfMaterial,
+    after: AxfMaterial,
+    uv: np.ndarray,
+    progress: Callable[[float], None] = lambda fraction: None,
+    lightings: Sequence[Lighting] = (),
 ) -> BrdfErrors:
     """Largest errors found at texture coordinates ``uv`` (n, 2); needs JAX with x64 enabled.
 
@@ -99,6 +112,7 @@ def brdf_errors(
         after: what the shader sees.
         uv: where; see `samples.sample_texels`.
         progress: called with the part that is done.
+        lightings: for the expected errors, beside the uniform one.
 
     Raises:
         InputError: a model that axffit does not evaluate.
@@ -108,6 +122,8 @@ def brdf_errors(
     per_view = max(4, -(-STARTS // (len(uv) * len(VIEW_POLAR))))
     worst: dict[str, Pairs] = {}
     starts: dict[str, list[Pairs]] = {kind: [] for kind in KINDS}
+    tallies = [Tally(UNIFORM), *(Tally(lighting.name) for lighting in lightings)]
+    differences: dict[str, list[np.ndarray]] = {name: [] for name in ILLUMINANTS if has_color_science()}
     lights = 0
     for start in range(0, len(uv), BATCH):
         part = np.arange(start, min(start + BATCH, len(uv)))
@@ -116,7 +132,21 @@ def brdf_errors(
         wi = lights_of(texels.frames, full, wo[full], even)
         lights = wi.shape[2]
         normals, viewers = normals_of(texels.frames, full), jnp.asarray(wo[full])
-        errors, brightest = errors_at(texels.before.take(full), texels.after.take(full), normals, wi, viewers)
+        sides = texels.before.take(full), texels.after.take(full)
+        errors, brightest, seen = errors_at(*sides, normals, wi, viewers)
+        f, g, clear = (np.asarray(x)[: len(part)] for x in seen)
+        old, new = exposed(f[:, :, ::STRIDE], g[:, :, ::STRIDE], clear[:, :, ::STRIDE])
+        for illuminant, found in differences.items():
+            found.append(color_differences(old, new, illuminant))
+        uniform = uniform_irradiance(texels.frames, full, np.asarray(wi), wo[full])
+        tallies[0].add(f, g, uniform[: len(part)])
+        for lighting, tally in zip(lightings, tallies[1:], strict=True):
+            # As many lights as before, so that nothing is compiled again; those too many are dark.
+            turned = np.resize(np.moveaxis(posed(lighting, wo[full], start), 2, 0), (lights, *wo[full].shape))
+            _, _, (f, g, _) = errors_at(*sides, normals, jnp.asarray(np.moveaxis(turned, 0, 2)), viewers)
+            lit = np.arange(lights)[:, None] < len(lighting.directions)
+            irradiance = np.where(lit, np.resize(lighting.irradiance, (lights, 3)), 0.0)
+            tally.add(np.asarray(f)[: len(part)], np.asarray(g)[: len(part)], irradiance)
         for name, values in errors.items():
             pairs = _worst(np.asarray(values)[: len(part)], part, np.asarray(wi), wo, np.asarray(brightest), per_view)
             starts.get(name, []).append(pairs)
@@ -127,7 +157,15 @@ def brdf_errors(
         worst |= {kind: pairs.largest(1) for kind, pairs in ascend(texels, best, even).items()}
     progress(1.0)
     found = {name: _found(pairs, uv) for name, pairs in worst.items()}
-    return BrdfErrors(**found, texels=len(uv), views=len(VIEW_POLAR), lights=lights, ascents=STARTS)
+    return BrdfErrors(
+        **found,
+        colors=color_errors(differences),
+        expected=tuple(tally.expected() for tally in tallies),
+        texels=len(uv),
+        views=len(VIEW_POLAR),
+        lights=lights,
+        ascents=STARTS,
+    )
 
 
 def _worst(

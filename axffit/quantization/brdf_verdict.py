@@ -57,7 +57,8 @@ class BrdfVerdict:
         """One row a definition, how large the sample was, and the classes that were bounded."""
         content: dict[str, Any] = {"evaluated": self.errors is not None, "reason": self.reason, "within": self.within}
         if self.errors is None or self.bounds is None:
-            return {**content, "rows": [], "strip": None, "sample": None, "bounds": None}
+            nothing = {"strip": None, "sample": None, "bounds": None, "colors": [], "expected": []}
+            return {**content, "rows": [], **nothing}
         rows = [
             self._row(self.errors, self.bounds, kind, check) for kind, check in zip(KINDS, self.checks, strict=True)
         ]
@@ -68,6 +69,8 @@ class BrdfVerdict:
             "strip": self.errors.strip.to_json(),
             "sample": {**sample, "kind": "found"},
             "bounds": self.bounds.to_json(),
+            "colors": [each.to_json() for each in self.errors.colors],
+            "expected": [each.to_json() for each in self.errors.expected],
         }
 
     def _row(self, errors: BrdfErrors, bounds: MaterialBounds, kind: Kind, check: Check) -> dict[str, Any]:

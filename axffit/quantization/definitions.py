@@ -107,8 +107,10 @@ def errors_at(
     normals: Normals,
     wi: jax.Array,
     wo: jax.Array,
-) -> tuple[dict[str, jax.Array], jax.Array]:
+) -> tuple[dict[str, jax.Array], jax.Array, tuple[jax.Array, jax.Array, jax.Array]]:
     """The errors at every (texel, view, light), 0 where a definition does not look, and each view's brightest light.
+
+    Last come f i_z and f' i_z (n, views, lights, 3), and where (b) and (c) look.
 
     Args:
         before: the original's texels (n).
@@ -137,7 +139,7 @@ def errors_at(
         "strip": _over_peak(difference, strip_peak, high & ~clear),
     }
     brightest = jnp.argmax(bright[0], axis=-1)
-    return errors, jnp.take_along_axis(wi, brightest[..., None, None], axis=2)[:, :, 0]
+    return errors, jnp.take_along_axis(wi, brightest[..., None, None], axis=2)[:, :, 0], (f, g, clear)
 
 
 def _over_peak(difference: jax.Array, peak: jax.Array, where: jax.Array) -> jax.Array:

@@ -69,19 +69,47 @@ def half_vectors(roughness: np.ndarray, rings: int, spokes: int) -> np.ndarray:
     rings lie evenly in y up to 2.2, where a Gaussian lobe has fallen to 2e-9, the others from there to 57 (89°) along
     the wider axis.
     """
-    widest = roughness.max(axis=-1)[..., None, None]
-    last = np.arcsinh(57.0 / widest)
-    inner = np.minimum(2.2, 0.5 * last)
-    step = ((np.arange(rings // 2) + 0.5) / (rings // 2))[:, None]
-    y = np.concatenate([inner * step, inner + (last - inner) * step], axis=-2)
-    # Spokes of neighboring rings are set off against each other.
-    phi = 2 * np.pi * (np.arange(spokes) + 0.5 * (np.arange(y.shape[-2])[:, None] % 2)) / spokes
-    x = roughness[..., 0, None, None] * np.sinh(y) * np.cos(phi)
-    z = roughness[..., 1, None, None] * np.sinh(y) * np.sin(phi)
+    y, _ = _rings(roughness, rings)
+    x, z = _slopes(roughness, y, spokes)
     vectors = np.stack([x, z, np.ones_like(x)], axis=-1)
     vectors /= np.linalg.norm(vectors, axis=-1, keepdims=True)
     normal = np.broadcast_to([0.0, 0.0, 1.0], (len(roughness), 1, 3))
     return np.concatenate([normal, vectors.reshape(len(roughness), -1, 3)], axis=1)
+
+
+def ring_solid_angles(roughness: np.ndarray, rings: int, spokes: int) -> np.ndarray:
+    """Solid angle (n, 1 + lobes · rings · spokes) that each of `half_vectors` stands for; 0 for the normal.
+
+    d omega = dx dz / (1 + x² + z²)^(3/2) for slopes x, z. Every lobe's rings cover the whole hemisphere; each gets its
+    share of it.
+    """
+    y, width = _rings(roughness, rings)
+    x, z = _slopes(roughness, y, spokes)
+    area = np.prod(roughness, axis=-1)[..., None, None] * np.sinh(y) * np.cosh(y) * width * 2 * np.pi / spokes
+    solid = area / (1.0 + x * x + z * z) ** 1.5 / roughness.shape[1]
+    return np.concatenate([np.zeros((len(roughness), 1)), solid.reshape(len(roughness), -1)], axis=1)
+
+
+def _rings(roughness: np.ndarray, rings: int) -> tuple[np.ndarray, np.ndarray]:
+    """y of the rings and the widths of y they stand for, (n, lobes, rings, 1)."""
+    widest = roughness.max(axis=-1)[..., None, None]
+    last = np.arcsinh(57.0 / widest)
+    inner = np.minimum(2.2, 0.5 * last)
+    count = rings // 2
+    step = ((np.arange(count) + 0.5) / count)[:, None]
+    y = np.concatenate([inner * step, inner + (last - inner) * step], axis=-2)
+    width = np.concatenate(
+        [np.broadcast_to(part / count, (*y.shape[:2], count, 1)) for part in (inner, last - inner)], -2
+    )
+    return y, width
+
+
+def _slopes(roughness: np.ndarray, y: np.ndarray, spokes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Slopes (n, lobes, rings, spokes) of half vectors along the lobe's axes."""
+    # Spokes of neighboring rings are set off against each other.
+    phi = 2 * np.pi * (np.arange(spokes) + 0.5 * (np.arange(y.shape[-2])[:, None] % 2)) / spokes
+    x = roughness[..., 0, None, None] * np.sinh(y) * np.cos(phi)
+    return x, roughness[..., 1, None, None] * np.sinh(y) * np.sin(phi)
 
 
 @jax.jit

@@ -1,6 +1,6 @@
 """`verify`: pack a material for a target, read it back, and compare at every level."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 
@@ -16,6 +16,7 @@ from . import diagnosis, mismatch
 from .brdf_error import brdf_errors
 from .brdf_verdict import BrdfVerdict
 from .diagnosis import Fault
+from .expected import Lighting
 from .maps import MapErrors, map_errors
 from .material_bounds import MaterialBounds, material_bounds
 from .measures import has_color_science
@@ -42,6 +43,7 @@ def verify(
     formats: Mapping[str, str] | None = None,
     rounding: str | None = None,
     bounds: bool = True,
+    lightings: Sequence[Lighting] = (),
     progress: Progress | None = None,
 ) -> Verdict:
     """What a target's textures lose of a material, and whether that is within tolerance.
@@ -55,6 +57,7 @@ def verify(
         formats: AxF texture name to a number format other than the advised one.
         rounding: rounding mode of the encoders; None takes the target's own.
         bounds: whether the errors of the reflectance are bounded; without, what was found is judged, in less time.
+        lightings: for the expected error of the reflectance, beside a uniform one.
         progress: called with what is being done and how much of it is (0 to 1).
 
     Raises:
@@ -66,7 +69,9 @@ def verify(
     report = progress or (lambda stage, fraction: None)
     report("packing textures", 0.0)
     packed = packer.pack(material, formats=formats, rounding=rounding)
-    return verify_packed(material, packed, tolerances, read_by=reader, bounds=bounds, progress=progress)
+    return verify_packed(
+        material, packed, tolerances, read_by=reader, bounds=bounds, lightings=lightings, progress=progress
+    )
 
 
 def verify_packed(
@@ -76,6 +81,7 @@ def verify_packed(
     *,
     read_by: str | None = None,
     bounds: bool = True,
+    lightings: Sequence[Lighting] = (),
     progress: Progress | None = None,
 ) -> Verdict:
     """The same for a material that someone packed: every texture is read as the target's shader would read it.
@@ -86,6 +92,7 @@ def verify_packed(
         tolerances: limits; None takes those of the package.
         read_by: the target whose shader reads; None takes the one it was packed for.
         bounds: as in `verify`.
+        lightings: as in `verify`.
         progress: as in `verify`.
 
     Raises:
@@ -130,7 +137,7 @@ def verify_packed(
         packed_for=packer.NAME,
         textures=textures,
         lut=_lut_verdict(material, packed, module, tolerances),
-        brdf=_brdf_verdict(material, packed, module, errors, tolerances, report, bounds=bounds),
+        brdf=_brdf_verdict(material, packed, module, errors, tolerances, report, lightings, bounds=bounds),
         problems=tuple(problems),
         faults=tuple(faults),
         values=packed.values,
@@ -234,6 +241,7 @@ def _brdf_verdict(
     errors: Mapping[str, MapErrors],
     tolerances: Tolerances,
     report: Progress,
+    lightings: Sequence[Lighting],
     *,
     bounds: bool,
 ) -> BrdfVerdict:
@@ -243,7 +251,8 @@ def _brdf_verdict(
         uv = sample_texels(material, by_axf, TEXELS[material.kind])
         some, seen = of_texels(material, uv), module.unpack(of_packed_texels(packed, material, uv))
         with jax.enable_x64(new_val=True):
-            found = brdf_errors(some, seen, centers(len(uv)), lambda done: report("measuring the reflectance", done))
+            stage = lambda done: report("measuring the reflectance", done)  # noqa: E731
+            found = brdf_errors(some, seen, centers(len(uv)), stage, lightings)
         proved = MaterialBounds((), 0, "left out on request")
         if bounds:
             report("bounding the reflectance", 0.0)

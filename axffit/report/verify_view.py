@@ -62,6 +62,10 @@ def verify_view(content: Mapping[str, Any]) -> dict[str, Any]:
         "reflectance": [_reflectance(row) for row in result["brdf"]["rows"]],
         "reflectance_note": _reflectance_note(result["brdf"]),
         "classes": _classes(result["brdf"]),
+        "colors": [(each["illuminant"], *_three(each)) for each in result["brdf"]["colors"]],
+        "expected": [
+            (each["lighting"], _share(each["light"]), _share(each["picture"])) for each in result["brdf"]["expected"]
+        ],
         "lut": None if result["lut"] is None else _lut(result["lut"]),
         "reasons": _reasons(result),
         "flags": result["flags"],
@@ -248,6 +252,10 @@ def _reflectance_note(brdf: Mapping[str, Any]) -> str:
         groups, cells = len(bounds["classes"]), count(bounds["cells"])
         proved = f"Bound: proved for every texel, view and light, by {groups} groups of {cells} texel classes; judged. "
     return f"{found}{proved}Nearer to the horizon, where f jumps to 0: {_share(brdf['strip']['found'])} of the peak."
+
+
+def _three(error: Mapping[str, Any]) -> list[str]:
+    return [significant(error[name]) for name in ("mean", "p95", "max")]
 
 
 def _classes(brdf: Mapping[str, Any]) -> list[dict[str, str]]:

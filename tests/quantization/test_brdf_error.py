@@ -97,7 +97,7 @@ def test_ascents_find_what_a_sample_does_not():
     found = errors_between(before, after, 16)
     wo, part = views(16), np.arange(16)
     wi = lights_of(texels.frames, part, wo, even_lights(10))
-    sampled, _ = errors_at(texels.before, texels.after, normals_of(texels.frames, part), wi, jnp.asarray(wo))
+    sampled, _, _ = errors_at(texels.before, texels.after, normals_of(texels.frames, part), wi, jnp.asarray(wo))
     for kind in KINDS:
         largest = float(np.max(sampled[kind]))
         assert largest * (1 - 1e-3) <= getattr(found, kind).value < 2 * largest
