@@ -1,6 +1,6 @@
 """A large material, verified by the program in a process of its own: memory, progress, and every texel measured.
 
-The material of 4096² texels is experiments/09_large_material.py; here it is one of 1024², and one whose arrays are made
+The material of 4096² texels is experiments/11_large_material.py; here it is one of 1024², and one whose arrays are made
 to lie in files.
 """
 
@@ -15,7 +15,7 @@ from axffit.quantization.maps import map_errors
 from axffit.targets import unity_2018
 from experiments import common
 
-NAME = "09_large_material"
+NAME = "11_large_material"
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,6 @@
 """How much memory and time does `axffit verify` take for a material of 4096² texels?
 
-    python -m experiments.09_large_material [FOLDER]
+    python -m experiments.11_large_material [FOLDER]
 
 An anisotropic, coated Ward SVBRDF with every map, all of them float32 noise (what compresses and tiles least), is
 written as an .axf file and verified by the program itself. Peak memory is the largest resident set of the program and
