@@ -10,16 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..brdf_error import RELEVANT
+from ..definitions import RELEVANT
 from . import intervals as iv
-from .geometry import boxes, fresnel, fresnel_change, fresnel_quotient, geometry, whole_domain
+from .geometry import boxes, fresnel, fresnel_change, fresnel_quotient, geometry
 from .intervals import Interval
 from .lobes import AbstractLobe
 from .peaks import PeakTable
 from .texel_class import TexelClass
 
 Ends = np.ndarray
-"""Boxes as an array (5, 2, n), see `Boxes.stack`."""
+"""Boxes as an array (sides, 2, n), see `Boxes.stack`."""
 
 BATCH = 512
 """Boxes split at once; the worst ones first."""
@@ -91,36 +91,36 @@ class ClassErrors:
         return np.where(np.isneginf(log_height), 0.0, np.maximum(above, below))
 
 
-def bound(errors: Callable[[Ends], np.ndarray], texels: TexelClass, target: float, budget: int) -> Bounds:
+def bound(errors: Callable[[Ends], np.ndarray], domain: Ends, target: float, budget: int) -> Bounds:
     """Upper bound over the whole domain of a class.
 
     Args:
         errors: upper bound of an error over boxes, `ClassErrors.log_ratio` or `ClassErrors.peak_relative`.
-        texels: the class.
+        domain: the box of all directions and texels, (sides, 2, 1).
         target: boxes at or below it are not split further.
         budget: boxes evaluated at most, by about a batch.
     """
     with np.errstate(all="ignore"):
-        ends = whole_domain(texels)
+        ends, scale = domain, np.maximum(domain[:, 1] - domain[:, 0], 1e-300)
         values = errors(ends)
         done, count = 0.0, 1
         while (open_ := values > target).any() and count < budget:
             done = max(done, float(values[~open_].max(initial=0.0)))
             ends, values = ends[..., open_], values[open_]
             worst = np.argsort(-values)[:BATCH]
-            children = split(errors, ends[..., worst])
+            children = split(errors, ends[..., worst], scale)
             keep = np.ones(len(values), bool)
             keep[worst] = False
             new = errors(children)
-            count += 8 * len(worst)
+            count += (len(domain) + 3) * len(worst)
             alive = new > 0
             ends = np.concatenate([ends[..., keep], children[..., alive]], axis=-1)
             values = np.concatenate([values[keep], new[alive]])
     return Bounds(max(done, float(values.max(initial=0.0))), count)
 
 
-def split(errors: Callable[[Ends], np.ndarray], ends: Ends) -> Ends:
-    """Two halves of each box, (5, 2, 2 n), along the side whose collapse lowers the bound most."""
+def split(errors: Callable[[Ends], np.ndarray], ends: Ends, scale: np.ndarray) -> Ends:
+    """Two halves of each box, (sides, 2, 2 n), along the side whose collapse lowers the bound most."""
     sides, _, count = ends.shape
     middle = 0.5 * (ends[:, 0] + ends[:, 1])
     collapsed = np.broadcast_to(ends[..., None, :], (sides, 2, sides, count)).copy()
@@ -128,7 +128,7 @@ def split(errors: Callable[[Ends], np.ndarray], ends: Ends) -> Ends:
         collapsed[side, :, side] = middle[side]
     values = errors(collapsed.reshape(sides, 2, -1)).reshape(sides, count)
     # A side that is a point cannot be split; among equals the relatively widest is taken.
-    width = (ends[:, 1] - ends[:, 0]) / np.array([10.0, 5.0, 2.0, 1.0, 1.0])[:, None]
+    width = (ends[:, 1] - ends[:, 0]) / scale
     score = np.where(width > 0, values, np.inf)
     score = np.where(np.isclose(score, score.min(axis=0), rtol=1e-9, atol=0.0), -width, np.inf)
     chosen = np.argmin(np.where(width > 0, score, np.inf), axis=0)

@@ -9,7 +9,6 @@ from ...axf.appearance import car_paint_base, car_paint_ior, model_parameters, t
 from ...axf.maps import gather
 from ...brdf import CarPaint, ClearCoat, Framed, Sum
 from ...frames import tangent_frame
-from ..brdf_error import without_negative_colors
 from .form import Coat, Form, NoBound, Paint
 from .texel_class import TexelClass
 
@@ -73,7 +72,7 @@ def classes_of(before: AxfMaterial, after: AxfMaterial, uv: np.ndarray, channel:
     Raises:
         NoBound: a texel whose errors no class can hold, for example a normal that is lost altogether.
     """
-    sides = [_texels(material, uv) for material in (without_negative_colors(before), after)]
+    sides = [_texels(material, uv) for material in (before, after)]
     old, new = sides
     frames = [_frame(side["normal"], side["rotation"]) for side in sides]
     tilt, twist = _swing_and_twist(frames[0], frames[1])
@@ -107,6 +106,7 @@ def _texels(material: AxfMaterial, uv: np.ndarray) -> dict[str, np.ndarray]:
     """Parameters of the texels in float64."""
     parameters, _, _ = model_parameters(material, gather(material, uv))
     values = {name: np.asarray(value, np.float64) for name, value in parameters.items()}
+    values |= {name: np.maximum(values[name], 0.0) for name in ("diffuse", "specular", "f0")}
     if material.kind is MaterialKind.CAR_PAINT:
         values["ior"] = np.full(len(uv), float(car_paint_ior(material)[0]))
         values["normal"] = np.broadcast_to([0.0, 0.0, 1.0], (len(uv), 3))

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...brdf import AbstractBRDF, Framed, Schlick1994
 from ...frames import dot, reflect
-from ..brdf_error import RELEVANT
+from ..definitions import RELEVANT
 from ..directions import LOWEST
 from .texel_class import TexelClass
 

@@ -1,0 +1,426 @@
+"""The largest errors of whole materials that can be found: gradient ascent with the library's own models.
+
+As `search`, for any form: over directions, the directions of the tilts, and where the parameters and their errors lie
+in the class. Everything happens in the base's own frame before quantization; directions are given below the coat
+(`pairs`) and leave it by refraction. What a light sends is f i_z; what counts is its change and its height below the
+highest light of its view.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ... import brdf
+from ...frames import dot, half_difference_to_directions, reflect, refract, spherical_to_direction
+from ...numerics import normalize
+from ..definitions import RELEVANT
+from ..directions import LOWEST
+from .form import Form
+from .search import ROUNDING, SEED, TINY, Kind, error_value
+from .texel_class import TexelClass
+from .views import Grid
+
+Numbers = Mapping[str, jax.Array]
+"""A texel's parameters by `TexelClass`'s names, and the arrays of a paint."""
+
+STARTS, TRIES, STEPS = 512, 8192, 90
+"""Ascents for each definition, pairs they are chosen from, and steps of each."""
+
+DIRECTIONS = 4
+"""y, psi, theta_d as a share of its range, phi."""
+
+BEFORE = ("roughness", "roughness_y", "f0", "specular", "diffuse", "gap", "gap_azimuth", "ior")
+ERRORS = ("roughness_ratio", "roughness_y_ratio", "f0_change", "specular_ratio", "diffuse_ratio", "ior_change")
+FINE, COARSE = (61, 25, 30, 11), (25, 12, 4, 5)
+"""Half vectors in y and in azimuth, zooms, and points of a zoom: for single views, and for all cells."""
+
+
+@dataclass(frozen=True)
+class Kindred:
+    """What compiled code depends on: everything of a form that is not a number, and which numbers have ranges."""
+
+    diffuse: type[brdf.AbstractBRDF] | None
+    specular: type[brdf.AbstractBRDF] | None
+    fresnel: type[brdf.AbstractFresnel]
+    coat: str | None
+    paint: bool
+    isotropic: bool
+    exponents: bool
+    turning: bool
+
+    def model(self, at: Numbers, errors: Numbers | None = None) -> brdf.AbstractBRDF:
+        """The BRDF of a texel in the base's frame before; with errors, after.
+
+        ``errors`` holds `ERRORS`, the angles tilt, twist and coat_tilt, and the azimuths of the two tilts.
+        """
+        get, base_normal, twist = dict(at), jnp.asarray([0.0, 0.0, 1.0]), jnp.zeros(())
+        coat_normal = spherical_to_direction(at["gap"], at["gap_azimuth"])
+        if errors is not None:
+            for name in ("roughness", "roughness_y", "specular", "diffuse"):
+                get[name] = at[name] * errors[f"{name}_ratio"]
+            for name in ("f0", "ior"):
+                get[name] = at[name] + errors[f"{name}_change"]
+            if self.paint:
+                get["colors"] = at["colors_after"]
+            base_normal = spherical_to_direction(errors["tilt"], errors["tilt_azimuth"])
+            twist = errors["twist"]
+            first = spherical_to_direction(at["gap"] + 0.5 * np.pi, at["gap_azimuth"])
+            second = jnp.cross(coat_normal, first)
+            c, s = jnp.cos(errors["coat_azimuth"]), jnp.sin(errors["coat_azimuth"])
+            away = jnp.sin(errors["coat_tilt"]) * (c * first + s * second)
+            coat_normal = jnp.cos(errors["coat_tilt"]) * coat_normal + away
+        base = brdf.Framed(self._base(get), base_normal, twist)
+        if self.coat is None:
+            return base
+        return brdf.ClearCoat(base, get["ior"], coat_normal, refracting=self.coat == "refracting")
+
+    def _base(self, get: Numbers) -> brdf.AbstractBRDF:
+        ones = jnp.ones(3)
+        if self.paint:
+            table = brdf.ColorTable(jnp.repeat(get["colors"][..., None], 3, axis=-1))
+            return brdf.CarPaint(get["paint_diffuse"], get["coefficients"], get["f0s"], get["spreads"], table)
+        terms: list[brdf.AbstractBRDF] = []
+        if self.diffuse is brdf.OrenNayar1994:
+            terms.append(brdf.OrenNayar1994(get["diffuse"] * ones, np.pi / 4, interreflection=True))
+        elif self.diffuse is not None:
+            terms.append(_make(self.diffuse, get["diffuse"] * ones))
+        if self.specular is not None:
+            lobe = get["roughness"] if self.isotropic else jnp.stack([get["roughness"], get["roughness_y"]])
+            fresnel = brdf.NoFresnel() if self.fresnel is brdf.NoFresnel else _make(self.fresnel, get["f0"])
+            terms.append(_make(self.specular, get["specular"] * ones, lobe, fresnel))
+        return brdf.Sum(tuple(terms))
+
+    def width(self, at: Numbers) -> tuple[jax.Array, jax.Array]:
+        """Reference roughness along x and y, as in `terms`."""
+        if self.paint:
+            least = jnp.min(at["spreads"])
+            return least, least
+        if self.specular is None:
+            return jnp.ones(()), jnp.ones(())
+        x = at["roughness"]
+        y = x if self.isotropic else at["roughness_y"]
+        return (
+            (jnp.sqrt(2.0 / jnp.maximum(x, 2.0**-6)), jnp.sqrt(2.0 / jnp.maximum(y, 2.0**-6)))
+            if self.exponents
+            else (x, y)
+        )
+
+    def normal(self, at: Numbers) -> jax.Array:
+        """The outermost normal."""
+        if self.coat is None:
+            return jnp.asarray([0.0, 0.0, 1.0])
+        return spherical_to_direction(at["gap"], at["gap_azimuth"])
+
+    def inwards(self, at: Numbers, w: jax.Array) -> jax.Array:
+        """A direction below the coat."""
+        return normalize(refract(w, self.normal(at), at["ior"])) if self.coat == "refracting" else w
+
+    def outwards(self, at: Numbers, w: jax.Array) -> tuple[jax.Array, jax.Array]:
+        """A direction outside, and its cosine with the outermost normal; -1 where it does not leave."""
+        normal = self.normal(at)
+        below = dot(w, normal)
+        if self.coat != "refracting":
+            return w, below
+        n = at["ior"]
+        square = 1.0 - n * n * (1.0 - below * below)
+        leaves = (square > 0) & (below > 0)
+        cosine = jnp.sqrt(jnp.where(leaves, square, 1.0))
+        outside = normalize(n * w - (n * below - cosine) * normal)
+        return jnp.where(leaves, outside, normal), jnp.where(leaves, cosine, -1.0)
+
+    def lowest(self, at: Numbers, wi: jax.Array, wo: jax.Array) -> jax.Array:
+        """The smallest cosine of the domain, of directions below the coat: outside, at the base, of the mirror."""
+        mirror = wo * jnp.array([-1.0, -1.0, 1.0])
+        outside = [self.outwards(at, w)[1] for w in (wi, wo, mirror)]
+        return jnp.min(jnp.stack([*outside, wi[2], wo[2]]))
+
+    def radiance(self, model: brdf.AbstractBRDF, at: Numbers, wi: jax.Array, wo: jax.Array) -> jax.Array:
+        """f i_z of directions outside."""
+        return model.masked_value(wi, wo)[0] * dot(wi, self.normal(at))
+
+
+def _make(kind: Callable[..., Any], *arguments: Any) -> Any:
+    """An instance; the classes share no signature."""
+    return kind(*arguments)
+
+
+def kindred(form: Form, *, isotropic: bool, exponents: bool, turning: bool) -> Kindred:
+    """The part of a form that code is compiled for."""
+    paint = form.paint is not None
+    return Kindred(form.diffuse, form.specular, form.fresnel, form.coat, paint, isotropic, exponents, turning)
+
+
+def numbers(form: Form, texels: TexelClass, ranges: Mapping[str, tuple[float, float]]) -> tuple[dict, dict]:
+    """Middles of the parameters with a paint's arrays; and lows and highs of all that may vary, as arrays.
+
+    Returns:
+        Parameters for the peaks; ranges of `BEFORE`, `ERRORS` and of tilt, twist and coat_tilt.
+    """
+    given = {name: ranges.get(name, (1.0, 1.0)) for name in BEFORE}
+    given |= {name: getattr(texels, name) for name in ERRORS}
+    at = {name: jnp.float64(0.5 * sum(given[name])) for name in BEFORE}
+    if form.paint is not None:
+        paint = form.paint
+        arrays = {"paint_diffuse": paint.diffuse, "coefficients": paint.coefficients, "f0s": paint.f0}
+        arrays |= {"spreads": paint.spreads, "colors": paint.colors, "colors_after": paint.colors_after}
+        at |= {name: jnp.asarray(value, jnp.float64) for name, value in arrays.items()}
+    given |= {"tilt": (texels.tilt,) * 2, "twist": (-texels.twist, texels.twist), "coat_tilt": (texels.coat_tilt,) * 2}
+    return at, {name: jnp.asarray(pair, jnp.float64) for name, pair in given.items()}
+
+
+VARYING = (*BEFORE, *ERRORS, "tilt", "twist", "coat_tilt")
+COORDINATES = DIRECTIONS + 2 + len(VARYING)
+"""Directions, azimuths of the two tilts, and the place of everything that varies in its range, in [0, 1]."""
+
+
+def _texel(at: Numbers, spans: Numbers, place: jax.Array) -> tuple[dict, dict]:
+    """Parameters before and errors at a point of the search."""
+    shares = place[DIRECTIONS + 2 :]
+    values = {n: spans[n][0] + shares[k] * (spans[n][1] - spans[n][0]) for k, n in enumerate(VARYING)}
+    before = dict(at) | {name: values[name] for name in BEFORE}
+    errors = {name: values[name] for name in (*ERRORS, "tilt", "twist", "coat_tilt")}
+    return before, errors | {"tilt_azimuth": place[DIRECTIONS], "coat_azimuth": place[DIRECTIONS + 1]}
+
+
+def _pair(kin: Kindred, before: Numbers, place: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Directions below the coat, which the share of theta_d keeps in the domain.
+
+    <i, m> = r cos(theta_d - e) with r cos e = <h, m> and r sin e = <d, m>, so that a cosine of at least c for both
+    directions means theta_d <= arccos(c / r) - |e|; likewise for the mirror direction of the viewer.
+    """
+    y, psi, share, phi = place[:DIRECTIONS]
+    a_x, a_y = kin.width(before)
+    p, s = a_x * jnp.sinh(y) * jnp.cos(psi), a_y * jnp.sinh(y) * jnp.sin(psi)
+    theta_h, phi_h = jnp.arctan(jnp.sqrt(p * p + s * s + 1e-60)), jnp.arctan2(s, p + 1e-60)
+    h, _ = half_difference_to_directions(theta_h, jnp.zeros(()), phi, phi_h)
+    d, _ = half_difference_to_directions(theta_h, jnp.asarray(0.5 * np.pi), phi, phi_h)
+    normal, low = kin.normal(before), jnp.asarray(LOWEST * (1 + 1e-9))
+    below = jnp.sqrt(1.0 - (1.0 - low * low) / before["ior"] ** 2) if kin.coat == "refracting" else low
+    base, flipped = jnp.asarray([0.0, 0.0, 1.0]), normal * jnp.array([-1.0, -1.0, 1.0])
+    limits = []
+    for axis, least, mirror in ((base, low, False), (normal, below, False), (flipped, below, True)):
+        along, across = dot(h, axis), dot(d, axis)
+        reach = jnp.sqrt(along * along + across * across)
+        away = jnp.arctan2(across, along)
+        limits.append(jnp.arccos(jnp.minimum(least / reach, 1.0)) - (away if mirror else jnp.abs(away)))
+    largest = jnp.maximum(jnp.min(jnp.stack(limits)), 0.0)
+    theta_d = largest * (1.0 - (1.0 - share) ** 2)
+    return half_difference_to_directions(theta_h, theta_d, phi, phi_h)
+
+
+def _errors_at(kin: Kindred, at: Numbers, spans: Numbers, place: jax.Array) -> tuple[jax.Array, ...]:
+    """log f'/f, log f i_z, the smallest cosine of the domain, and the view outside in the coat's frame."""
+    before, errors = _texel(at, spans, place)
+    inner = _pair(kin, before, place)
+    low = kin.lowest(before, *inner)
+    inside = low >= LOWEST
+    # Outside the domain the values of a harmless pair, so that gradients stay finite.
+    wi, wo = (jnp.where(inside, kin.outwards(before, w)[0], kin.normal(before)) for w in inner)
+    value = kin.radiance(kin.model(before), before, wi, wo)
+    moved = kin.radiance(kin.model(before, errors), before, wi, wo)
+    log_value = jnp.log(jnp.maximum(value, TINY))
+    return jnp.log(jnp.maximum(moved, TINY)) - log_value, log_value, low, *_view(kin, before, wo)
+
+
+def _view(kin: Kindred, before: Numbers, wo: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Cosine and azimuth of a view about the outermost normal."""
+    if kin.coat is None:
+        return wo[2], jnp.arctan2(wo[1], wo[0] + 1e-60)
+    first = spherical_to_direction(before["gap"] + 0.5 * np.pi, before["gap_azimuth"])
+    second = jnp.stack([-jnp.sin(before["gap_azimuth"]), jnp.cos(before["gap_azimuth"]), jnp.zeros(())])
+    return dot(wo, kin.normal(before)), jnp.arctan2(dot(wo, second), dot(wo, first) + 1e-60)
+
+
+def find_peaks(
+    kin: Kindred, at: Numbers, cosine: jax.Array, azimuth: jax.Array, sizes: tuple[int, ...]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The highest lights of views (n,): slopes of their half vectors in the base's frame, and log f i_z there."""
+    found = _find_peaks(kin, at, jnp.asarray(cosine), jnp.asarray(azimuth), sizes)
+    return tuple(np.asarray(x) for x in found)  # pyright: ignore[reportReturnType]
+
+
+@partial(jax.jit, static_argnums=(0, 4))
+def _find_peaks(
+    kin: Kindred, at: Numbers, cosine: jax.Array, azimuth: jax.Array, sizes: tuple[int, ...]
+) -> tuple[jax.Array, jax.Array, jax.Array]:
+    rings, spokes, zooms, points = sizes
+    a_x, a_y = kin.width(at)
+    highest = jnp.arcsinh(20.0 / jnp.minimum(a_x, a_y))
+    u = jnp.linspace(0.0, 1.0, rings)
+    turn = jnp.linspace(-np.pi, np.pi, spokes, endpoint=False) if not kin.turning else jnp.linspace(0.0, np.pi, spokes)
+    grid = [m.reshape(-1) for m in jnp.meshgrid(u, turn)]
+    line = jnp.linspace(-1.0, 1.0, points)
+    steps = [m.reshape(-1) for m in jnp.meshgrid(line, line)]
+    spacing = (1.0 / (rings - 1), 2 * np.pi / spokes)
+    model = kin.model(at)
+    first = spherical_to_direction(at["gap"] + 0.5 * np.pi, at["gap_azimuth"])
+    second = jnp.stack([-jnp.sin(at["gap_azimuth"]), jnp.cos(at["gap_azimuth"]), jnp.zeros(())])
+    flat = kin.coat is None
+    if kin.turning:
+        azimuth = jnp.zeros_like(azimuth)
+
+    def single(cosine: jax.Array, azimuth: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+        sine = jnp.sqrt(1.0 - cosine * cosine)
+        x, y = sine * jnp.cos(azimuth), sine * jnp.sin(azimuth)
+        wo = jnp.stack([x, y, cosine]) if flat else x * first + y * second + cosine * kin.normal(at)
+        inner = kin.inwards(at, wo)
+
+        def slopes(u: jax.Array, turn: jax.Array) -> tuple[jax.Array, jax.Array]:
+            r = jnp.sinh(highest * u * u)
+            return a_x * r * jnp.cos(turn), a_y * r * jnp.sin(turn)
+
+        def height(u: jax.Array, turn: jax.Array) -> jax.Array:
+            p, s = slopes(u, turn)
+            h = normalize(jnp.stack([p, s, jnp.ones_like(p)]))
+            light = reflect(inner, h)
+            wi, low = kin.outwards(at, light)
+            good = (low >= LOWEST) & (light[2] >= LOWEST) & (dot(inner, h) > 0)
+            wi = jnp.where(good, wi, kin.normal(at))
+            value = jnp.log(jnp.maximum(kin.radiance(model, at, wi, wo), TINY))
+            return jnp.where(good, value, -jnp.inf)
+
+        def best_of(u: jax.Array, turn: jax.Array) -> tuple[jax.Array, ...]:
+            heights = jax.vmap(height)(u, turn)
+            best = jnp.argmax(heights)
+            return u[best], turn[best], heights[best]
+
+        def zoom(carry: tuple, scale: jax.Array) -> tuple[tuple, None]:
+            u, turn, value = carry
+            us = jnp.clip(u + scale * spacing[0] * steps[0], 0.0, 1.0)
+            new = best_of(us, turn + scale * spacing[1] * steps[1])
+            better = new[2] > value
+            return tuple(jnp.where(better, a, b) for a, b in zip(new, carry, strict=True)), None
+
+        scales = 1.5 * 0.65 ** jnp.arange(zooms, dtype=cosine.dtype)
+        (u, turn, value), _ = jax.lax.scan(zoom, best_of(*grid), scales)
+        return *slopes(u, turn), value
+
+    return jax.lax.map(lambda view: single(*view), (cosine, azimuth), batch_size=64)
+
+
+def find_errors(kin: Kindred, at: Numbers, spans: Numbers, grid: Grid, log_peak: np.ndarray) -> dict[Kind, float]:
+    """The largest errors found by `STARTS` ascents for each definition; needs JAX with x64 enabled.
+
+    Args:
+        kin: the form.
+        at: numbers of the texel in the middle of the class.
+        spans: ranges of what varies.
+        grid: cells of views.
+        log_peak: log of the highest f i_z of the cells' middles.
+    """
+    table = jnp.asarray(log_peak.reshape(len(grid.edges) - 1, grid.azimuths))
+    places = _places(kin, at, spans)
+    best = _ascend(kin, at, spans, table, jnp.asarray(places))
+    found: dict[Kind, float] = {}
+    kinds: tuple[Kind, Kind] = ("peak_relative", "log_ratio")
+    for kind, values, where in zip(kinds, *(np.asarray(x) for x in best), strict=True):
+        # The best few again, with the peak of exactly their views and texels.
+        few = where[np.argsort(-values)[:6]]
+        results = [_exactly(kin, at, spans, kind, place) for place in few]
+        found[kind] = max(max(results) - ROUNDING, 0.0)
+    return found
+
+
+def _exactly(kin: Kindred, at: Numbers, spans: Numbers, kind: Kind, place: np.ndarray) -> float:
+    before, _ = _texel(at, spans, jnp.asarray(place))
+    change, log_value, low, cosine, azimuth = (
+        np.asarray(x)[None] for x in _errors_of(kin, at, spans, jnp.asarray(place))
+    )
+    _, _, peak = find_peaks(kin, before, jnp.asarray(cosine), jnp.asarray(azimuth), FINE)
+    # The peak is at least as high as the light itself.
+    height = log_value - np.maximum(peak, log_value)
+    return float(np.where(low >= LOWEST, error_value(kind, change, height), 0.0)[0])
+
+
+@partial(jax.jit, static_argnums=0)
+def _errors_of(kin: Kindred, at: Numbers, spans: Numbers, place: jax.Array) -> tuple[jax.Array, ...]:
+    return _errors_at(kin, at, spans, place)
+
+
+def _places(kin: Kindred, at: Numbers, spans: Numbers) -> np.ndarray:
+    """`TRIES` points to start from, most of them near the lobe, with the errors at corners of their ranges."""
+    rng = np.random.default_rng(SEED)
+    narrow = float(jnp.minimum(*kin.width(at)))
+    highest = np.arcsinh(20.0 / narrow)
+    share = rng.random((TRIES, COORDINATES))
+    spread = np.where(np.arange(TRIES) % 4 == 0, highest, 2.5)
+    share[:, 0] *= np.minimum(spread, highest)
+    share[:, 1] = 0.0 if kin.turning else 2 * np.pi * share[:, 1]
+    share[:, 3:6] *= 2 * np.pi
+    share[:, 6:] = np.rint(share[:, 6:])
+    return share
+
+
+def _interpolated(table: jax.Array, cosine: jax.Array, azimuth: jax.Array) -> jax.Array:
+    """Log of the peak between the cells' middles."""
+    rows, columns = table.shape
+    row = jnp.clip(rows * (1.0 - jnp.log(cosine) / np.log(LOWEST)) - 0.5, 0.0, rows - 1.0)
+    low = jnp.floor(row).astype(jnp.int32)
+    high, weight = jnp.minimum(low + 1, rows - 1), row - low
+
+    def at(column: jax.Array) -> jax.Array:
+        return (1.0 - weight) * table[low, column] + weight * table[high, column]
+
+    if columns == 1:
+        return at(jnp.int32(0))
+    column = (azimuth + np.pi) * (columns / (2 * np.pi)) - 0.5
+    left = jnp.floor(column)
+    weight_2 = column - left
+    left = left.astype(jnp.int32)
+    return (1.0 - weight_2) * at(left % columns) + weight_2 * at((left + 1) % columns)
+
+
+@partial(jax.jit, static_argnums=0)
+def _ascend(
+    kin: Kindred, at: Numbers, spans: Numbers, table: jax.Array, places: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """Adam on the logarithm of the error, in [kind] from the best of the places; values and places [kind, start]."""
+    relevant = np.log(RELEVANT)
+
+    def objective(place: jax.Array, log_ratio: jax.Array) -> tuple[jax.Array, jax.Array]:
+        change, log_value, low, cosine, azimuth = _errors_at(kin, at, spans, place)
+        inside = low >= LOWEST
+        cosine = jnp.where(inside, cosine, 1.0)
+        log_height = jnp.minimum(log_value - _interpolated(table, cosine, azimuth), 0.0)
+        size = jnp.where(log_ratio, jnp.abs(change), jnp.abs(jnp.expm1(change)))
+        add = jnp.where(log_ratio, 3.0 * jnp.minimum(log_height - relevant, 0.0), log_height)
+        looks = inside & (~log_ratio | (log_height >= relevant))
+        value = jnp.where(looks, size * jnp.where(log_ratio, 1.0, jnp.exp(log_height)), 0.0)
+        score = jnp.where(inside, jnp.log(size + TINY) + add, 100.0 * jnp.minimum(low - LOWEST, 0.0))
+        return score, value
+
+    tried = jax.vmap(lambda p, k: objective(p, k)[1], in_axes=(0, None))
+    slope = jax.vmap(jax.grad(objective, has_aux=True))
+    starts = []
+    for log_ratio in (False, True):
+        values = tried(places, jnp.asarray(log_ratio))
+        order = jnp.argsort(-values)
+        # Half of the starts are the best, the others spread over what lies in the domain.
+        inside = jnp.sum(values > 0)
+        others = (jnp.arange(STARTS // 2) * jnp.maximum(inside, STARTS)) // (STARTS // 2)
+        starts.append(places[order[jnp.concatenate([jnp.arange(STARTS // 2), others])]])
+    place = jnp.concatenate(starts)
+    kinds = jnp.repeat(jnp.asarray([False, True]), STARTS)
+
+    def step(carry: tuple, rate: jax.Array) -> tuple[tuple, None]:
+        place, first, second, best, best_place = carry
+        gradient, value = slope(place, kinds)
+        gradient = jnp.nan_to_num(gradient, posinf=0.0, neginf=0.0)
+        better = value > best
+        best, best_place = jnp.where(better, value, best), jnp.where(better[:, None], place, best_place)
+        first, second = 0.8 * first + 0.2 * gradient, 0.95 * second + 0.05 * gradient**2
+        place = place + rate * first / (jnp.sqrt(second) + 1e-12)
+        place = place.at[:, 0].set(jnp.maximum(place[:, 0], 0.0))
+        place = place.at[:, 2].set(jnp.clip(place[:, 2], 0.0, 1.0))
+        place = place.at[:, DIRECTIONS + 2 :].set(jnp.clip(place[:, DIRECTIONS + 2 :], 0.0, 1.0))
+        return (place, first, second, best, best_place), None
+
+    zero = jnp.zeros_like(place)
+    rates = 0.1 * (2e-3 ** (jnp.arange(STEPS, dtype=place.dtype) / STEPS))
+    (_, _, _, best, best_place), _ = jax.lax.scan(step, (place, zero, zero, jnp.zeros(len(place)), place), rates)
+    return best.reshape(2, STARTS), best_place.reshape(2, STARTS, -1)
