@@ -264,9 +264,9 @@ def _color_changes(
     """Change of the log of the table's value chi, in (b) and in (c).
 
     chi' = F chi + e: the factor is within ``relative``, which holds 1, and |e| counts the more the smaller chi is,
-    which may be 0 somewhere in a box. With r = |e| / (F · chi's largest value) the height, which was taken with that value,
-    changes by at most the factors F (1 -+ r). Where f i_z >= 1e-3 of the peak, chi is at least 1e-3 / height of its
-    largest value.
+    which may be 0 somewhere in a box. With r = |e| / (F · chi's largest value) the height, which was taken with that
+    value, changes by at most the factors F (1 -+ r). Where f i_z >= 1e-3 of the peak, chi is at least 1e-3 / height of
+    its largest value.
     """
     largest = Interval(color.hi, color.hi)
     share = iv.up(iv.up(absolute * iv.exp(-largest).hi) * iv.exp(Interval(-relative.lo, -relative.lo)).hi)
