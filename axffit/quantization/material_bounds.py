@@ -22,7 +22,7 @@ from .statistics import finite_or_none
 from .tiles import of_packed_texels, of_texels
 
 MOST_BRACKETS = 7
-"""Groups of classes that are bracketed, for each form: one for an SVBRDF, three (colors) for a car paint."""
+"""Brackets of a material, shared among its forms: one for an SVBRDF, three (color channels) for a car paint."""
 
 WORTH = 0.95
 """Parts are worth more splitting where they lower the group's bound at least to this part of it."""
@@ -100,7 +100,7 @@ def material_bounds(
         cells = len(table)
         classes: list[BoundedClass] = []
         for number, (channel, form) in enumerate(forms.items()):
-            classes += _bounded(form, table, channel)
+            classes += _bounded(form, table, channel, MOST_BRACKETS // len(forms))
             progress(0.3 + 0.7 * (number + 1) / len(forms))
     except NoBound as error:
         progress(1.0)
@@ -133,8 +133,8 @@ def _named(form: Form) -> str:
     return " + ".join([*models, *([] if form.coat is None else [f"{form.coat} coat"])])
 
 
-def _bounded(form: Form, table: ClassTable, channel: int | None) -> list[BoundedClass]:
-    """Groups that hold the whole table, their bounds lowered by splitting.
+def _bounded(form: Form, table: ClassTable, channel: int | None, most: int) -> list[BoundedClass]:
+    """Groups that hold the whole table, their bounds lowered by splitting, by at most so many brackets.
 
     Raises:
         NoBound: where even a group that cannot be split any more has no bound, or the brackets are used up.
@@ -151,7 +151,7 @@ def _bounded(form: Form, table: ClassTable, channel: int | None) -> list[Bounded
     groups = [(everything, bounded(everything))]
     count = 1
     settled: set[int] = set()
-    while count + 2 <= MOST_BRACKETS and (chosen := _worst(groups, settled)) is not None:
+    while count + 2 <= most and (chosen := _worst(groups, settled)) is not None:
         indices, whole = groups[chosen]
         halves = table.halves(indices)
         if halves is None:
