@@ -242,7 +242,7 @@ def oren_nayar(g: Pairs, roughness: float) -> Part:
     along = 2.0 * iv.square(g.cos_d) - 1.0 - i_z * o_z
     along = iv.meet(along, g.wi[0] * g.wo[0] + g.wi[1] * g.wo[1])
     most = iv.greater(i_z, o_z)
-    towards = iv.clip(iv.clip(along, 0.0, 1.0) / most, 0.0, 1.0)
+    towards = iv.clip(iv.clip(along, 0.0, 1.0) / most, 0.0, np.inf)
     value = a + b * towards
     outer = b / (value * most)
     outer = _if_larger(outer, along, ZERO)
