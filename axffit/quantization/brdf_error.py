@@ -25,7 +25,6 @@ from ..axf import AxfMaterial
 from .ascent import ascend
 from .colors import ILLUMINANTS, ColorError, color_differences, color_errors, exposed
 from .definitions import BATCH, KINDS, Pairs, errors_at, lights_of, normals_of
-from .definitions import RELEVANT as RELEVANT
 from .directions import VIEW_POLAR, even_lights, views
 from .expected import UNIFORM, Expected, Lighting, Tally, posed, uniform_irradiance
 from .local import local_texels
