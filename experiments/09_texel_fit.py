@@ -73,7 +73,9 @@ def counted(name: str, texels: int, seed: int) -> dict[str, Any]:
 
 
 def _summed(parts: list[dict[str, Any]]) -> dict[str, Any]:
-    total = {key: sum(part[key] for part in parts) for key in ("texels", "at_best", "random_start_at_best")}
+    total: dict[str, Any] = {
+        key: sum(part[key] for part in parts) for key in ("texels", "at_best", "random_start_at_best")
+    }
     total["outcomes"] = {key: sum(part["outcomes"][key] for part in parts) for key in parts[0]["outcomes"]}
     total["chi_square_mean"] = float(np.mean([part["chi_square_mean"] for part in parts]))
     coverage = {key: np.sum([part["covered"][key] for part in parts], axis=0) for key in parts[0]["covered"]}
@@ -102,7 +104,7 @@ def report(data: dict[str, Any]) -> str:
     return "\n\n".join(
         [
             "# How many texels end at the best minimum?",
-            __doc__.split("\n\n", 2)[2].replace("\n", " "),
+            str(__doc__).split("\n\n", 2)[2].replace("\n", " "),
             common.table(
                 (
                     "7 parameters",
