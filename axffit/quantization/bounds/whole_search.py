@@ -360,8 +360,9 @@ def _interpolated(table: jax.Array, cosine: jax.Array, azimuth: jax.Array) -> ja
     """Log of the peak between the cells' middles."""
     rows, columns = table.shape
     row = jnp.clip(rows * (1.0 - jnp.log(cosine) / np.log(LOWEST)) - 0.5, 0.0, rows - 1.0)
-    low = jnp.floor(row).astype(jnp.int32)
-    high, weight = jnp.minimum(low + 1, rows - 1), row - low
+    floor = jnp.floor(row)
+    low, weight = floor.astype(jnp.int32), row - floor
+    high = jnp.minimum(low + 1, rows - 1)
 
     def at(column: jax.Array) -> jax.Array:
         return (1.0 - weight) * table[low, column] + weight * table[high, column]
