@@ -166,7 +166,7 @@ def _measure(measure: Mapping[str, Any]) -> dict[str, Any]:
     statistic = STATISTICS.get(measure["statistic"] or "", "")
     shown = MISSING if limit is None else _limit(limit, quantity, unit)
     return {
-        "label": MEASURES.get((quantity, unit), quantity.replace("_", " ")) + _level(measure),
+        "label": f"{MEASURES.get((quantity, unit), quantity.replace('_', ' '))}{_level(measure)}",
         "values": [_quantity(measure[name], quantity, unit) for name in ("mean", "p95", "max")],
         "tolerance": shown,
         "of": f"of {statistic}" if limit is not None and statistic != "max" else "",
