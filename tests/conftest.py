@@ -1,7 +1,7 @@
 """Switches for the whole suite: float64, strict promotion, compilation cache, Hypothesis, reference data."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +36,21 @@ _COMMON: dict[str, Any] = {
 settings.register_profile("ci", max_examples=40, **_COMMON)
 settings.register_profile("all", max_examples=400, **_COMMON)
 settings.load_profile(os.environ.get("AXFFIT_HYPOTHESIS_PROFILE", "ci"))
+
+
+MAPPINGS = Path("/proc/self/maps")
+MOST_MAPPINGS = 25_000
+
+
+@pytest.fixture(autouse=True, scope="module")
+def few_compiled_programs() -> Iterator[None]:
+    """Lets go of compiled programs before they are too many.
+
+    Each holds a few mappings of memory. Linux allows a process 65 530 of them; JAX crashes beyond.
+    """
+    yield
+    if MAPPINGS.exists() and MAPPINGS.read_bytes().count(b"\n") > MOST_MAPPINGS:
+        jax.clear_caches()
 
 
 def find_reference_data(*parts: str) -> Path:
