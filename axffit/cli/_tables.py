@@ -52,7 +52,7 @@ def verdict_parts(content: Content) -> list[object]:
         table(columns, rows, text_columns=3),
     ]
     parts += [
-        f"reflectance, {row['title']}: {_bracket(row, content['brdf']['bounds']['reason'])} "
+        f"reflectance, {row['title']}: {_bracket(row)} "
         f"(tolerance {number(row['tolerance'])}), " + ("within" if row["within"] else "OUTSIDE")
         for row in content["brdf"]["rows"]
     ]
@@ -74,13 +74,13 @@ def verdict_parts(content: Content) -> list[object]:
     return [*parts, content["summary"]]
 
 
-def _bracket(row: Content, reason: str) -> str:
+def _bracket(row: Content) -> str:
     """[found, bound], or what was found and why there is no bound."""
     from axffit.report.numbers import significant
 
     if row["judged"] == "bound":
         return f"[found, bound] = [{significant(row['found'])}, {significant(row['bound'])}]"
-    return f"{significant(row['found'])}, found only: {reason}"
+    return f"{significant(row['found'])}, found only: {row['unproved']}"
 
 
 def judged_parts(document: Content) -> list[object]:

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from axffit.quantization import Tolerances, Verdict
 
 TARGET = "unity_2018"
+LARGE_BYTES = 2**26
+"""Files together from which on reading takes long enough to be named."""
+
 
 HELP = """Check what an engine's textures lose of AxF materials.
 
@@ -205,7 +208,8 @@ def command(
     options = {"target": target, "packed_for": packed_for, "read_by": read_by, "packed": packed}
     options |= {"tolerance": tolerance, "material": material}
     with progress_on_stderr() as progress:
-        progress("reading files", 0.0)
+        if sum(path.stat().st_size for path in axf_files(files) if path.is_file()) >= LARGE_BYTES:
+            progress("reading files", 0.0)
         verified = run(files, **options, bounds=not no_bounds, progress=progress)
         from axffit import report
         from axffit.quantization.document import Judged, document

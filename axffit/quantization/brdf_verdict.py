@@ -16,9 +16,25 @@ _TITLES = {
 }
 
 
+OPEN = 10.0
+"""A bound that is more times what was found says that its search ended early, not that an error is so large."""
+
+
+def _unproved(errors: BrdfErrors, bounds: MaterialBounds, kind: Kind) -> str:
+    """Why what was found is judged in place of the bound, or ""."""
+    bound, found = bounds.bound(kind), getattr(errors, kind).value
+    if bound is None:
+        return bounds.reason
+    if bound <= OPEN * found:
+        return ""
+    return f"the search for a bound ended at {bound:.3g}, more than {OPEN:g} times what was found"
+
+
 @dataclass(frozen=True)
 class BrdfVerdict:
     """The BRDF level. Judged is the bound, which holds for every texel; where there is none, what was found.
+
+    A bound more than `OPEN` times what was found counts as none.
 
     Attributes:
         errors: what was found at sampled texels, or None where the model is not evaluated.
@@ -38,7 +54,8 @@ class BrdfVerdict:
 
         def check(kind: Kind) -> Check:
             bound, name = bounds.bound(kind), f"brdf.{kind}"
-            return Check(name, getattr(errors, kind).value if bound is None else bound, tolerances.get(name))
+            judged = getattr(errors, kind).value if bound is None or _unproved(errors, bounds, kind) else bound
+            return Check(name, judged, tolerances.get(name))
 
         return cls(errors, bounds, tuple(map(check, KINDS)))
 
@@ -49,9 +66,10 @@ class BrdfVerdict:
 
     def basis(self, check: Check) -> str:
         """What a failure of a check adds: whether the bound was judged or only what was found; "" for other levels."""
-        if check not in self.checks:
+        if check not in self.checks or self.errors is None or self.bounds is None:
             return ""
-        return " (found only)" if self.bounds is None or self.bounds.reason else " (bound)"
+        kind = KINDS[self.checks.index(check)]
+        return " (found only)" if _unproved(self.errors, self.bounds, kind) else " (bound)"
 
     def to_json(self) -> dict[str, Any]:
         """One row a definition, how large the sample was, and the classes that were bounded."""
@@ -77,8 +95,10 @@ class BrdfVerdict:
         found: Found = getattr(errors, kind)
         definition, title = _TITLES[kind]
         bound = bounds.bound(kind)
+        unproved = _unproved(errors, bounds, kind)
         proved = {
             "bound": None if bound is None else finite_or_none(bound),
-            "judged": "found" if bound is None else "bound",
+            "judged": "found" if unproved else "bound",
+            "unproved": unproved,
         }
         return {"definition": definition, "name": kind, "title": title, **found.to_json(), **proved, **check.to_json()}

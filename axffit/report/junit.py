@@ -74,7 +74,7 @@ def _proofs(brdf: Content) -> dict[str, str]:
     proofs = {}
     for row in brdf["rows"]:
         found, bound = ("infinite" if row[end] is None else f"{row[end]:.4g}" for end in ("found", "bound"))
-        only = f"found {found}, no bound: {brdf['bounds']['reason']}"
+        only = f"found {found}, no bound: {row['unproved']}"
         proofs[row["check"]] = only if row["judged"] == "found" else f"[found, bound] = [{found}, {bound}]"
     return proofs
 

@@ -251,6 +251,9 @@ def _reflectance_note(brdf: Mapping[str, Any]) -> str:
     else:
         groups, cells = len(bounds["classes"]), count(bounds["cells"])
         proved = f"Bound: proved for every texel, view and light, by {groups} groups of {cells} texel classes; judged. "
+        for row in brdf["rows"]:
+            if row["unproved"]:
+                proved += f"Of ({row['definition']}) what was found is judged: {row['unproved']}. "
     return f"{found}{proved}Nearer to the horizon, where f jumps to 0: {_share(brdf['strip']['found'])} of the peak."
 
 

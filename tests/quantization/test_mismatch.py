@@ -51,7 +51,8 @@ def test_what_both_read_alike_is_not_reported():
     verdict = misread()
     assert [problem.subject for problem in verdict.problems] == [ROTATION]
     outside = [t.packed.axf_name for t in verdict.textures if not t.within]
-    assert outside == ["anisrotation"]
+    # Read alike, but packed in 8 bits where the reading engine's limits expect half floats.
+    assert outside == ["opacity", "anisrotation"]
 
 
 def test_the_json_names_both_targets_and_both_ranges():

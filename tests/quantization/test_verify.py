@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from axffit.errors import InputError
 from axffit.quantization import Tolerance, Tolerances, default_tolerances, verify, verify_packed
 from axffit.quantization.bounds import Bracket, TexelClass
+from axffit.quantization.brdf_error import BrdfErrors, Found
 from axffit.quantization.brdf_verdict import BrdfVerdict
 from axffit.quantization.definitions import KINDS, Kind
 from axffit.quantization.material_bounds import BoundedClass, MaterialBounds
@@ -237,28 +238,18 @@ def bounded(monkeypatch, bound):
 
 
 def test_the_bound_is_judged_where_there_is_one(monkeypatch):
-    bounded(monkeypatch, 0.02)
+    bounded(monkeypatch, 0.012)
     verdict = verify(ward())
-    assert [check.value for check in verdict.brdf.checks] == [0.02, 0.02]
-    assert verdict.failures() == ("brdf.peak_relative: 0.02 > 0.01 (bound)",)
+    assert [check.value for check in verdict.brdf.checks] == [0.012, 0.012]
+    assert verdict.failures() == ("brdf.peak_relative: 0.012 > 0.01 (bound)",)
     content = json.loads(json.dumps(verdict.to_json(), allow_nan=False))
     jsonschema.validate(content, schema())
     peak, ratio = content["brdf"]["rows"]
-    assert (peak["judged"], peak["bound"], peak["within"]) == ("bound", 0.02, False)
+    assert (peak["judged"], peak["bound"], peak["within"]) == ("bound", 0.012, False)
     assert (ratio["judged"], ratio["within"]) == ("bound", True)
-    assert 0 < peak["found"] < 0.02
+    assert 0 < peak["found"] < 0.012
     (group,) = content["brdf"]["bounds"]["classes"]
-    assert (group["items"], group["log_ratio"]["found"], group["log_ratio"]["bound"]) == (768, 0.01, 0.02)
-
-
-def test_a_bound_without_end_is_outside(monkeypatch):
-    bounded(monkeypatch, np.inf)
-    verdict = verify(ward())
-    assert not verdict.within
-    content = json.loads(json.dumps(verdict.to_json(), allow_nan=False))
-    jsonschema.validate(content, schema())
-    assert content["brdf"]["rows"][0]["bound"] is None
-    assert content["brdf"]["rows"][0]["judged"] == "bound"
+    assert (group["items"], group["log_ratio"]["found"], group["log_ratio"]["bound"]) == (768, 0.006, 0.012)
 
 
 def test_without_a_bound_what_was_found_is_judged_and_the_reason_is_given():
@@ -310,3 +301,19 @@ def test_bad_input_is_named():
     with pytest.raises(InputError, match="300"):
         verify(replace(paint(), properties={**paint().properties, "thetaFI_sliceLUT": [0, 300]}))
     assert texture(np.zeros((1, 1, 1))).channels == 1
+
+
+@pytest.mark.parametrize(("bound", "judged"), [(0.02, "bound"), (0.2, "found"), (np.inf, "found")])
+def test_a_bound_that_ended_early_is_shown_and_not_judged(bound, judged):
+    place = Found(0.005, (0.5, 0.5), (0.0, 0.0, 1.0), (0.0, 0.0, 1.0))
+    errors = BrdfErrors(place, place, place, (), (), texels=1, views=1, lights=1, ascents=1)
+    brackets = dict.fromkeys(("peak_relative", "log_ratio"), Bracket(0.004, bound, 1))
+    bounds = MaterialBounds((BoundedClass(TexelClass(1e-5), 1, None, brackets),), 1)
+    verdict = BrdfVerdict.judged(errors, bounds, default_tolerances())
+    for row in verdict.to_json()["rows"]:
+        assert row["judged"] == judged
+        assert row["bound"] == (None if np.isinf(bound) else bound)
+        assert ("ended at" in row["unproved"]) == (judged == "found")
+    # Within 1 % by what was found, outside by the bound.
+    assert verdict.checks[0].within == (judged == "found")
+    assert verdict.basis(verdict.checks[0]) == (" (bound)" if judged == "bound" else " (found only)")
