@@ -47,7 +47,7 @@ def test_bright_data_are_held_at_an_albedo_of_1_and_better_than_by_scaling():
     albedo = jnp.sum(result.model.evaluate(wi, wo) * (wi[:, 2] * solid_angle)[:, None], axis=0)
     assert float(albedo.max()) <= 1.01
     largest = albedos(model, shapes, weights).max(axis=0)
-    scaled = fit(model, sampled(model.assemble(shapes, weights / largest)))
+    scaled = fit(model, sampled(model.assemble(shapes, weights / largest[None])))
     from axffit.fitting import evaluate_samples, metrics_of
 
     assert result.metrics is not None
