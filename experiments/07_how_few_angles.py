@@ -25,7 +25,7 @@ from experiments import common
 
 SIX = ("45as-15", "45as15", "45as25", "45as45", "45as75", "45as110")
 TWELVE = (*SIX, "15as-45", "15as-15", "15as15", "15as45", "15as80", "65as20")
-NINETEEN = (*TWELVE, "45as15az90", "45as25az90", "45as60az125.3", "45as55az-125", "15as40az46.9", "65as10", "65as60")
+NINETEEN = (*TWELVE, "45as15az90", "45as25az90", "45as45az90", "45as25az-90", "15as40az45", "65as10", "65as60")
 SETS = {"6 angles": SIX, "12 angles": TWELVE, "19 angles": NINETEEN}
 """In the manner of the MA-T6 and BYK-mac i, the MA-T12 and the MA98; not one maker's exact list."""
 
@@ -102,17 +102,23 @@ def text(data: dict[str, Any]) -> str:
                     float(np.median([case["cosine_rms_everywhere"] for case in fitted])),
                 ]
             )
-        best = {
-            lobes: [paint[name][str(lobes)]["log_everywhere"] for paint in data["paints"].values()
-                    if "known" in paint[name][str(lobes)]]
+        errors = {
+            lobes: [paint[name][str(lobes)].get("log_everywhere") for paint in data["paints"].values()]
             for lobes in LOBES
-        }  # fmt: skip
-        usable = {lobes: float(np.median(values)) for lobes, values in best.items() if values}
-        least = min(usable, key=usable.__getitem__)
-        answers.append(
-            f"With {name} {least} lobe{'s' if least > 1 else ''} predict the other directions best (median log error "
-            f"{usable[least]:.3g})."
-        )
+        }
+        usable = {lobes: float(np.median(values)) for lobes, values in errors.items() if None not in values}
+        if usable:
+            least = min(usable, key=usable.__getitem__)
+            answers.append(
+                f"With {name}, of the numbers of lobes that every paint could be fitted with, {least} did best "
+                f"elsewhere (median log error {usable[least]:.3g})."
+            )
+        else:
+            answers.append(f"With {name} no number of lobes could be fitted to every paint.")
+    outcomes = sorted(
+        {case["outcome"] for paint in data["paints"].values() for sets in paint.values() for case in sets.values()
+         if "known" not in case}
+    )  # fmt: skip
     head = ("measured", "lobes", "fits", f"known to {NARROW:.0%}", "not identified", "log error", "cosine RMS")
     return f"""# What do few angles determine of a paint?
 
@@ -122,8 +128,9 @@ Means over the paints; errors (medians) on all directions, not only the measured
 
 {common.table(head, rows)}
 
-{" ".join(answers)} Fits that are missing ended in a named outcome: there are fewer different directions than
-parameters. A parameter without an interval is at a bound or not identified; its value is a number, not a finding.
+{" ".join(answers)} Fits that are missing ended in a named outcome ({", ".join(outcomes)}). Medians over few fits
+compare other paints than those over all. A parameter without an interval is at a bound or not identified; its value is
+a number, not a finding.
 Errors here include what one color everywhere cannot follow: the paints' color tables vary with both angles.
 """
 

@@ -17,6 +17,7 @@ from jaxtyping import Array, Float
 
 _NUDGE = 1e-3
 _AT_BOUND = 1e-4
+_ROUNDING = 1e-12
 
 Tree = TypeVar("Tree")
 
@@ -51,7 +52,9 @@ class AbstractBijection(eqx.Module):
         """
         if not isinstance(value, Tracer):
             value = np.asarray(value, np.float64)
-            if not (np.all(value >= self.lower) and np.all(value <= self.upper)):
+            # A value that a solver walked to a bound with is off it by rounding.
+            slack = _ROUNDING * (abs(self.lower) + abs(self.upper))
+            if not (np.all(value >= self.lower - slack) and np.all(value <= self.upper + slack)):
                 raise ValueError(f"start {value} lies outside [{self.lower:g}, {self.upper:g}]: start inside")
         fraction = jnp.clip(self.fraction(jnp.asarray(value)), _NUDGE, 1.0 - _NUDGE)
         return self.inverse(self.at(fraction))
