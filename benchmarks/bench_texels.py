@@ -13,7 +13,7 @@ import pytest
 
 from axffit.fitting.texels.batch import fit_texels
 from axffit.fitting.texels.problem import Samples, TexelModel, evaluate
-from axffit.fitting.texels.starts import best_start
+from axffit.fitting.texels.starts import best_starts
 from axffit.fitting.texels.synthetic import made
 from benchmarks import optimistix_peer
 
@@ -49,9 +49,9 @@ def compared(model, channels, texels=TEXELS):
     arrays = made_.wi, made_.wo, np.asarray(samples.values), np.asarray(samples.precisions)
     ours, fit = shortest(lambda: fit_texels(model, *arrays))
     starts = [
-        best_start(
+        best_starts(
             model, Samples(samples.light, samples.values[..., k : k + 512], samples.precisions[..., k : k + 512])
-        )
+        )[0]
         for k in range(0, texels, 512)
     ]
     start = jnp.concatenate(starts, axis=1)

@@ -1,4 +1,7 @@
-"""Texels in any number: blocks of lanes through the batched solver, the slow ones again, the rest by optimistix."""
+"""Texels in any number: blocks of lanes through the batched solver, the slow ones again, the rest by optimistix.
+
+A texel that does not converge has often begun at a wrong normal: what is left over tries the other starts as well.
+"""
 
 import enum
 from collections.abc import Iterator
@@ -13,7 +16,7 @@ from axffit.fitting.texels.finish import finish
 from axffit.fitting.texels.problem import Samples, TexelModel, evaluate
 from axffit.fitting.texels.shading import common_light
 from axffit.fitting.texels.solver import advance, begin
-from axffit.fitting.texels.starts import best_start
+from axffit.fitting.texels.starts import best_starts
 
 LANES = 256
 """Texels in flight at once: 64 images of them fill a core's cache."""
@@ -90,13 +93,28 @@ def fit_texels(
             if number > 0:
                 state = begin(model, samples, jnp.asarray(theta[:, part]))._replace(damping=jnp.asarray(damping[part]))
             else:
-                first = best_start(model, samples) if start is None else jnp.asarray(start[:, part])
+                first = best_starts(model, samples)[0] if start is None else jnp.asarray(start[:, part])
                 state = begin(model, samples, first)
             state = advance(model, samples, state, jnp.asarray(steps))
             own = part[:count]
             theta[:, own] = np.asarray(state.point.theta)[:, :count]
             damping[own] = np.asarray(state.damping)[:count]
             outcome[own[np.asarray(state.converged)[:count]]] = Outcome.CONVERGED
+        left = left[outcome[left] == Outcome.NOT_CONVERGED]
+    if start is None and model.normal:
+        for part, count in _blocks(left, _FINISHED_TOGETHER):
+            samples, own = samples_at(part), part[:count]
+            states = [begin(model, samples, jnp.asarray(theta[:, part]))]
+            others = best_starts(model, samples)[1:]
+            states += [
+                advance(model, samples, begin(model, samples, other), jnp.asarray(sum(ROUNDS))) for other in others
+            ]
+            costs = np.stack([np.asarray(state.point.cost) for state in states])
+            best = np.argmin(np.where(np.isfinite(costs), costs, np.inf), axis=0)
+            for lane, texel in enumerate(own):
+                theta[:, texel] = np.asarray(states[best[lane]].point.theta)[:, lane]
+                if np.asarray(states[best[lane]].converged)[lane]:
+                    outcome[texel] = Outcome.CONVERGED
         left = left[outcome[left] == Outcome.NOT_CONVERGED]
     for part, count in _blocks(left, _FINISHED_TOGETHER):
         finished = finish(model, samples_at(part), jnp.asarray(theta[:, part]))

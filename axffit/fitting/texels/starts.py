@@ -9,7 +9,6 @@ from functools import partial
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Float
 
 from axffit.fitting.texels.problem import Samples, TexelModel, cost_at
@@ -48,19 +47,21 @@ def normal_starts(samples: Samples) -> Float[Array, "m 2 lanes"]:
     return jnp.stack(starts)
 
 
-def candidates(model: TexelModel, samples: Samples) -> Float[Array, "m p lanes"]:
-    """Every start of every lane."""
-    lanes = samples.values.shape[-1]
-    round_lobe = jnp.zeros((2 * model.anisotropic, lanes), samples.values.dtype)
-    normals = normal_starts(samples) if model.normal else jnp.zeros((1, 0, lanes), samples.values.dtype)
-    logs = [jnp.full((1, lanes), np.log(alpha), samples.values.dtype) for alpha in ROUGHNESSES]
-    return jnp.stack([jnp.concatenate([log, round_lobe, normal]) for normal in normals for log in logs])
-
-
 @partial(jax.jit, static_argnums=0)
-def best_start(model: TexelModel, samples: Samples) -> Float[Array, "p lanes"]:
-    """The candidate of least cost of each lane."""
-    starts = candidates(model, samples)
-    costs = jax.lax.map(lambda theta: cost_at(model, samples, theta), starts)
-    best = jnp.argmin(jnp.where(jnp.isfinite(costs), costs, jnp.inf), axis=0)
-    return jnp.take_along_axis(starts, best[None, None], axis=0)[0]
+def best_starts(model: TexelModel, samples: Samples) -> Float[Array, "m p lanes"]:
+    """One start a normal, with its roughness of least cost; in each lane the starts of least cost come first."""
+    lanes = samples.values.shape[-1]
+    dtype = samples.values.dtype
+    round_lobe = jnp.zeros((2 * model.anisotropic, lanes), dtype)
+    normals = normal_starts(samples) if model.normal else jnp.zeros((1, 0, lanes), dtype)
+    logs = jnp.broadcast_to(jnp.log(jnp.asarray(ROUGHNESSES, dtype))[:, None, None], (len(ROUGHNESSES), 1, lanes))
+
+    def best_of(normal: Float[Array, "n lanes"]) -> tuple[Array, Array]:
+        starts = jax.vmap(lambda log: jnp.concatenate([log, round_lobe, normal]))(logs)
+        costs = jax.lax.map(lambda theta: cost_at(model, samples, theta), starts)
+        costs = jnp.where(jnp.isfinite(costs), costs, jnp.inf)
+        best = jnp.argmin(costs, axis=0)
+        return jnp.take_along_axis(starts, best[None, None], axis=0)[0], jnp.min(costs, axis=0)
+
+    starts, costs = jax.lax.map(best_of, normals)
+    return jnp.take_along_axis(starts, jnp.argsort(costs, axis=0)[:, None], axis=0)
