@@ -17,9 +17,9 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from axffit._types import RGB, Direction, Scalar
-from axffit.brdf.base import AbstractBRDF, as_parameter
-from axffit.brdf.sampling import Uniforms, cosine_density, cosine_draw
+from axffit.brdf.base import as_parameter
 from axffit.errors import InputError
+from axffit.measured.evaluated import AbstractMeasuredBRDF
 from axffit.measured.files import read_bytes, write_whole
 from axffit.measured.measurements import Measurements, RGBChannels
 from axffit.numerics import safe_atan2, safe_norm
@@ -30,7 +30,7 @@ _CHANNELS = {0: 1, 1: 3}
 _MAX_RESOLUTION = 4096
 
 
-class MbsdfTable(AbstractBRDF):
+class MbsdfTable(AbstractMeasuredBRDF):
     """The table as a BRDF: trilinear between cell centers, held constant beyond the outer ones.
 
     ``values`` (T_in, T_out, P, 3), linear RGB, 1/sr.
@@ -56,18 +56,6 @@ class MbsdfTable(AbstractBRDF):
             for k, c in ((k0, 1.0 - w), (k1, w))
         )
         return sum((weight * self.values[i, j, k] for i, j, k, weight in corners), jnp.zeros_like(wi))
-
-    def draw(self, wo: Direction, u: Uniforms) -> Direction:
-        """Cosine-distributed: measured data name no lobe to follow."""
-        return cosine_draw(u)
-
-    def density(self, wi: Direction, wo: Direction) -> Scalar:
-        """cos theta / pi."""
-        return cosine_density(wi)
-
-    def weight(self, wo: Direction) -> Scalar:
-        """One: an estimate is not worth an integral."""
-        return jnp.ones_like(wo[2])
 
     @staticmethod
     def _cell(unit: Scalar, size: int) -> tuple[Array, Array, Scalar]:

@@ -15,11 +15,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from axffit._types import RGB, Direction, Scalar
-from axffit.brdf.base import AbstractBRDF, as_parameter
-from axffit.brdf.sampling import Uniforms, cosine_density, cosine_draw
+from axffit._types import RGB, Direction
+from axffit.brdf.base import as_parameter
 from axffit.errors import InputError
 from axffit.frames import directions_to_half_difference
+from axffit.measured.evaluated import AbstractMeasuredBRDF
 from axffit.measured.grid import HalfDifferenceGrid, reference_grid
 from axffit.measured.measurements import Measurements, RGBChannels
 
@@ -27,7 +27,7 @@ WEIGHT_COUNT = 675
 _LAYERS = ((6, 21), (21, 21), (21, 3))
 
 
-class NeuralEncoding(AbstractBRDF):
+class NeuralEncoding(AbstractMeasuredBRDF):
     """One material: f = max(exp(network(x)) - 1, 0), 1/sr, linear RGB, without the cosine.
 
     x = (h, d), half and difference vector with phi_h = 0: (sin theta_h, 0, cos theta_h, sin theta_d cos phi_d,
@@ -50,18 +50,6 @@ class NeuralEncoding(AbstractBRDF):
             start += columns
             x = x if columns == 3 else jax.nn.relu(x)
         return jnp.maximum(jnp.expm1(x), 0.0)
-
-    def draw(self, wo: Direction, u: Uniforms) -> Direction:
-        """Cosine-distributed: measured data name no lobe to follow."""
-        return cosine_draw(u)
-
-    def density(self, wi: Direction, wo: Direction) -> Scalar:
-        """cos theta / pi."""
-        return cosine_density(wi)
-
-    def weight(self, wo: Direction) -> Scalar:
-        """One: an estimate is not worth an integral."""
-        return jnp.ones_like(wo[2])
 
 
 def read_weights(path: str | os.PathLike) -> dict[str, np.ndarray]:

@@ -12,17 +12,17 @@ import numpy as np
 from jaxtyping import Array, Float
 from scipy.spatial import KDTree
 
-from axffit._types import RGB, Direction, Scalar
-from axffit.brdf.base import AbstractBRDF, as_parameter
-from axffit.brdf.sampling import Uniforms, cosine_density, cosine_draw
+from axffit._types import RGB, Direction
+from axffit.brdf.base import as_parameter
 from axffit.errors import InputError
 from axffit.frames import directions_to_half_difference
 from axffit.measured.color import to_rgb
+from axffit.measured.evaluated import AbstractMeasuredBRDF
 from axffit.measured.grid import PHI_D_COUNT, THETA_D_COUNT, THETA_H_COUNT
 from axffit.measured.measurements import Measurements
 
 
-class ResampledTable(AbstractBRDF):
+class ResampledTable(AbstractMeasuredBRDF):
     """f over theta_h (dense at 0), theta_d and phi_d in [0, pi], trilinear between cell centers.
 
     ``values`` (theta_h, theta_d, phi_d, 3), linear RGB, 1/sr, at theta_h = (pi/2) ((k + 1/2) / n)² and the centers of
@@ -41,18 +41,6 @@ class ResampledTable(AbstractBRDF):
         return jax.vmap(
             lambda table: jax.scipy.ndimage.map_coordinates(table, list(position), order=1, mode="nearest")
         )(channels)
-
-    def draw(self, wo: Direction, u: Uniforms) -> Direction:
-        """Cosine-distributed: measured data name no lobe to follow."""
-        return cosine_draw(u)
-
-    def density(self, wi: Direction, wo: Direction) -> Scalar:
-        """cos theta / pi."""
-        return cosine_density(wi)
-
-    def weight(self, wo: Direction) -> Scalar:
-        """One: an estimate is not worth an integral."""
-        return jnp.ones_like(wo[2])
 
 
 def resampled(measurements: Measurements) -> ResampledTable:

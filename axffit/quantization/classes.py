@@ -13,18 +13,16 @@ specular color where there is one.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from ..axf import AxfMaterial, MaterialKind
 from ..axf.appearance import car_paint_ior, model_parameters
 from ..axf.maps import gather, grid_shape, texel_centers
-from ..frames import tangent_frame
 from ..targets import PackedMaterial, target_named
 from .bounds import NoBound, TexelClass
 from .brdf_error import without_negative_colors
 from .tiles import centers, of_packed_texels, of_texels
+from .turns import angle, frames_of, polar, roomy, swing_and_twist, unit
 
 MOST = 2000
 """Classes of a material at most."""
@@ -251,38 +249,22 @@ def _angles(
     before: AxfMaterial, old: dict[str, np.ndarray], new: dict[str, np.ndarray]
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Angles between normals before and after, of the lobe's axes, and between coat and base."""
-    with jax.enable_x64(new_val=True):
-        frames = [
-            np.asarray(tangent_frame(jnp.asarray(side["normal"]), jnp.asarray(side["rotation"]))) for side in (old, new)
-        ]
-    swing = _between(frames[0][:, 2], frames[1][:, 2])
-    turn = np.einsum("nik,njk->nij", *frames)
-    # The turn about the normal, by the quaternion of the rotation: (w, 0, 0, z).
-    twist = np.abs(2.0 * np.arctan2(turn[:, 1, 0] - turn[:, 0, 1], 1.0 + np.trace(turn, axis1=1, axis2=2)))
-    coats = [side["coat_normal"] / np.linalg.norm(side["coat_normal"], axis=-1, keepdims=True) for side in (old, new)]
+    frames = [frames_of(side["normal"], side["rotation"]) for side in (old, new)]
+    swing, twist = swing_and_twist(frames[0], frames[1])
+    coats = [unit(side["coat_normal"]) for side in (old, new)]
     coated = float(before.has_clear_coat)
     local = np.einsum("nij,nj->ni", frames[0], coats[0]) * coated
-    gap, azimuth = np.arctan2(np.hypot(local[:, 0], local[:, 1]), local[:, 2]), np.arctan2(local[:, 1], local[:, 0])
+    gap, azimuth = polar(local)
     # Around an isotropic lobe every azimuth is the same.
     azimuth = azimuth * (coated if before.kind is MaterialKind.SVBRDF and _has_two_roughnesses(before) else 0.0)
     room = 2.0**-40
     return {
-        "tilt": (0 * swing, _up(swing)),
-        "twist": (0 * twist, _up(twist)),
-        "coat_tilt": (0 * swing, _up(_between(*coats)) * coated),
+        "tilt": (0 * swing, roomy(swing)),
+        "twist": (0 * twist, roomy(twist)),
+        "coat_tilt": (0 * swing, roomy(angle(*coats)) * coated),
         "gap": (np.maximum(gap - room, 0.0), np.where(local.any(axis=-1), gap + room, 0.0)),
         "gap_azimuth": (azimuth - room * coated, azimuth + room * coated),
     }
-
-
-def _between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Angles between unit vectors (n, 3); atan2 keeps the digits of small ones."""
-    return 2.0 * np.arctan2(np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1))
-
-
-def _up(angle: np.ndarray) -> np.ndarray:
-    """Angles with room for their own rounding."""
-    return angle * (1 + 2.0**-40) + 2.0**-48
 
 
 _Range = tuple[np.ndarray, np.ndarray]

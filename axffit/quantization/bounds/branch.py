@@ -70,7 +70,7 @@ class ClassErrors:
             iv.up(absolute.hi + self.peaks.log_inverse_peak(g.o_z)),
         )
         log_height = np.minimum(log_height, 0.0)
-        change = fresnel_change(self.texels, box.f0, g.cos_d)
+        change = fresnel_change(box.f0, Interval(*self.texels.f0_change), g.cos_d)
         change = change + self._log_ratio * self.lobe.roughness_slope(box.alpha, self._ratio, g)
         tilt = self.lobe.tilt_change(self.texels, box, g)
         return np.where(g.possible, log_height, -np.inf), change + Interval(-tilt, tilt)

@@ -6,7 +6,6 @@ import numpy as np
 
 from . import intervals as iv
 from .geometry import fresnel as schlick
-from .geometry import power5_of_complement
 from .intervals import Interval
 
 
@@ -14,21 +13,6 @@ def schlick_slope(f0: Interval, cosine: Interval) -> Interval:
     """d log F / d log c = -5 c (1 - F0) (1 - c)⁴ / F."""
     rest = iv.clip(1.0 - cosine, 0.0, 1.0)
     return -5.0 * cosine * (1.0 - f0) * iv.square(iv.square(rest)) / schlick(f0, cosine)
-
-
-def schlick_change(f0: Interval, change: Interval, cosine: Interval) -> Interval:
-    """log F' / F = log(1 + (F0' - F0) (1 - a) / (F0 + (1 - F0) a)), a = (1 - c)⁵.
-
-    The quotient falls in a and in F0: its range is taken at corners.
-    """
-    a = power5_of_complement(cosine)
-
-    def weight(a: np.ndarray, f0: np.ndarray) -> Interval:
-        a_, f_ = Interval(a, a), Interval(f0, f0)
-        return (1.0 - a_) / (f_ + (1.0 - f_) * a_)
-
-    weights = Interval(np.maximum(weight(a.hi, f0.hi).lo, 0.0), weight(a.lo, f0.lo).hi)
-    return iv.log1p(change * weights)
 
 
 def index_of(f0: Interval) -> Interval:

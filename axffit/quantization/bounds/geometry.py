@@ -143,16 +143,16 @@ def fresnel_quotient(f0: Interval, cos_d: Interval, o_z: Interval) -> Interval:
     return Interval(np.maximum(lo, 0.0), hi)
 
 
-def fresnel_change(texels: TexelClass, f0: Interval, cos_d: Interval) -> Interval:
-    """log F' / F at theta_d: log(1 + (F0' - F0) (1 - a) / (F0 + (1 - F0) a)).
+def fresnel_change(f0: Interval, change: Interval, cosine: Interval) -> Interval:
+    """log F' / F = log(1 + (F0' - F0) (1 - a) / (F0 + (1 - F0) a)), a = (1 - c)⁵, by Schlick.
 
     The quotient falls in a and in F0: its range is taken at corners.
     """
-    a = power5_of_complement(cos_d)
+    a = power5_of_complement(cosine)
 
     def weight(a: np.ndarray, f0: np.ndarray) -> Interval:
         a_, f_ = Interval(a, a), Interval(f0, f0)
         return (1.0 - a_) / (f_ + (1.0 - f_) * a_)
 
     weights = Interval(np.maximum(weight(a.hi, f0.hi).lo, 0.0), weight(a.lo, f0.lo).hi)
-    return iv.log1p(Interval(*texels.f0_change) * weights)
+    return iv.log1p(change * weights)

@@ -8,7 +8,7 @@ from ...axf import AxfMaterial, MaterialKind
 from ...axf.appearance import car_paint_base, car_paint_ior, model_parameters, texel_model
 from ...axf.maps import gather
 from ...brdf import CarPaint, ClearCoat, Framed, Sum
-from ...frames import tangent_frame
+from ..turns import angle, frames_of, polar, roomy, swing_and_twist, unit
 from .form import Coat, Form, NoBound, Paint
 from .texel_class import TexelClass
 
@@ -74,16 +74,16 @@ def classes_of(before: AxfMaterial, after: AxfMaterial, uv: np.ndarray, channel:
     """
     sides = [_texels(material, uv) for material in (before, after)]
     old, new = sides
-    frames = [_frame(side["normal"], side["rotation"]) for side in sides]
-    tilt, twist = _swing_and_twist(frames[0], frames[1])
-    coats = [_unit(side["coat_normal"]) for side in sides]
+    frames = [frames_of(side["normal"], side["rotation"]) for side in sides]
+    tilt, twist = swing_and_twist(frames[0], frames[1])
+    coats = [unit(side["coat_normal"]) for side in sides]
     local = np.einsum("nij,nj->ni", frames[0], coats[0])
-    gap, azimuth = np.arctan2(np.hypot(local[:, 0], local[:, 1]), local[:, 2]), np.arctan2(local[:, 1], local[:, 0])
-    coat_tilt = _angle(*coats)
+    gap, azimuth = polar(local)
+    coat_tilt = angle(*coats)
     lobe = [side["lobe"].reshape(len(uv), -1) for side in sides]
     classes = []
     for k in range(len(uv)):
-        values: dict = {"tilt": _up(tilt[k]), "twist": _up(twist[k])}
+        values: dict = {"tilt": float(roomy(tilt)[k]), "twist": float(roomy(twist)[k])}
         values["roughness"], values["roughness_ratio"] = _ratio("roughness", lobe[0][k, 0], lobe[1][k, 0])
         if lobe[0].shape[-1] == 2:
             values["roughness_y"], values["roughness_y_ratio"] = _ratio("roughness", lobe[0][k, 1], lobe[1][k, -1])
@@ -93,7 +93,7 @@ def classes_of(before: AxfMaterial, after: AxfMaterial, uv: np.ndarray, channel:
         values["f0"], values["f0_change"] = _change(*f0)
         values["ior"], values["ior_change"] = _change(old["ior"][k], new["ior"][k])
         if before.has_clear_coat:
-            values["coat_tilt"] = _up(coat_tilt[k])
+            values["coat_tilt"] = float(roomy(coat_tilt)[k])
             values["gap"], values["gap_azimuth"] = _around(gap[k], 0.0), _around(azimuth[k], -np.inf)
         try:
             classes.append(TexelClass(**values))
@@ -111,11 +111,6 @@ def _texels(material: AxfMaterial, uv: np.ndarray) -> dict[str, np.ndarray]:
         values["ior"] = np.full(len(uv), float(car_paint_ior(material)[0]))
         values["normal"] = np.broadcast_to([0.0, 0.0, 1.0], (len(uv), 3))
     return values
-
-
-def _up(angle: float) -> float:
-    """An angle with room for its own rounding."""
-    return float(angle) * (1 + 2.0**-40) + 2.0**-48
 
 
 def _around(angle: float, least: float) -> tuple[float, float]:
@@ -137,28 +132,3 @@ def _change(before: float, after: float) -> tuple[tuple[float, float], tuple[flo
     change = float(after - before)
     ends = sorted((change * (1 - 2.0**-52), change * (1 + 2.0**-52)))
     return (float(before), float(before)), (max(ends[0], -float(before)), ends[1])
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
-
-
-def _angle(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Angles between unit vectors (n, 3); atan2 keeps the digits of small ones."""
-    return 2.0 * np.arctan2(np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1))
-
-
-def _frame(normal: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-    with jax.enable_x64(new_val=True):
-        return np.asarray(tangent_frame(jnp.asarray(normal), jnp.asarray(rotation)))
-
-
-def _swing_and_twist(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Angles of the smallest rotation between the normals, and of the turn about the normal that comes before it.
-
-    Frames (n, 3, 3) with the axes as rows. Of the quaternion of the rotation, the turn about z is (w, 0, 0, z).
-    """
-    swing = _angle(before[:, 2], after[:, 2])
-    turn = np.einsum("nik,njk->nij", before, after)
-    twist = 2.0 * np.arctan2(turn[:, 1, 0] - turn[:, 0, 1], 1.0 + np.trace(turn, axis1=1, axis2=2))
-    return swing, np.abs(twist)

@@ -14,7 +14,7 @@ from . import fresnel as fr
 from . import intervals as iv
 from . import parts
 from .form import Form, NoBound
-from .geometry import fresnel_quotient
+from .geometry import fresnel_change, fresnel_quotient
 from .intervals import Interval
 from .pairs import ONE, ZERO, Pairs
 from .parts import Part, Relief, Slopes
@@ -265,7 +265,7 @@ class Model:
             return log, log - fr.exact(f0, o_z)[0], slope, change * by_f0
         from_f0 = f0 if before is None else before["f0"]
         log, over_mirror = iv.log(fr.schlick(f0, g.cos_d)), iv.log(fresnel_quotient(f0, g.cos_d, o_z))
-        moved = ZERO if self.texels.f0_change == (0.0, 0.0) else fr.schlick_change(from_f0, change, g.cos_d)
+        moved = ZERO if self.texels.f0_change == (0.0, 0.0) else fresnel_change(from_f0, change, g.cos_d)
         return log, over_mirror, fr.schlick_slope(f0, g.cos_d), moved
 
     def _paint(self, g: Pairs) -> list[_Each]:

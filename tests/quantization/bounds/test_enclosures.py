@@ -97,7 +97,10 @@ def check_enclosures(name, count, seed):
     quotient, facing = fresnel_quotient(box.f0, g.cos_d, g.o_z), fresnel(box.f0, g.cos_d)
     relief, shape = lobe.log_relief(box.alpha, g), lobe.log_shape(box.alpha, g)
     mirror_shape = lobe.log_mirror_shape(box.alpha, g.o_z)
-    slope, reflectance = lobe.roughness_slope(box.alpha, ratio, g), fresnel_change(TEXELS, box.f0, g.cos_d)
+    slope, reflectance = (
+        lobe.roughness_slope(box.alpha, ratio, g),
+        fresnel_change(box.f0, Interval(*TEXELS.f0_change), g.cos_d),
+    )
     tilt = lobe.tilt_change(TEXELS, box, g)
     draws = rng.random((count, 4))
     closest = 0.0
