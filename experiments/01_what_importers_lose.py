@@ -41,23 +41,14 @@ def measured(material: AxfMaterial) -> dict[str, Any]:
 
 
 def subset() -> dict[str, Any]:
-    """The part that the tests compute again: one solid paint."""
-    return {m.name: measured(m) for m in materials.synthetic() if m.id == SUBSET}
-
-
-SUBSET = "solid_yellow"
+    """The part that the tests compute again."""
+    return materials.one_again(measured)
 
 
 def main(*, quick: bool = False) -> None:
     """Compute and write the report."""
-    results = {m.name: measured(m) for m in materials.chosen(quick=quick)}
-    data = {
-        "size": materials.SIZE,
-        "of_materials": materials.count(),
-        "visible_delta_e": VISIBLE,
-        "materials": results,
-        "summary": summary(results),
-    }
+    data: dict[str, Any] = materials.results(measured, quick=quick) | {"visible_delta_e": VISIBLE}
+    data["summary"] = summary(data["materials"])
     plot(data, common.write(__file__, data, text(data)) / "delta_e.png")
 
 

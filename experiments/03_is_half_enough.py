@@ -39,24 +39,15 @@ def measured(material: AxfMaterial) -> dict[str, Any]:
     return {way: materials.errors(before, materials.picture(shown[way])) for way in WAYS}
 
 
-SUBSET = "solid_yellow"
-
-
 def subset() -> dict[str, Any]:
-    """The part that the tests compute again: one solid paint."""
-    return {m.name: measured(m) for m in materials.synthetic() if m.id == SUBSET}
+    """The part that the tests compute again."""
+    return materials.one_again(measured)
 
 
 def main(*, quick: bool = False) -> None:
     """Compute and write the report."""
-    results = {m.name: measured(m) for m in materials.chosen(quick=quick)}
-    data = {
-        "size": materials.SIZE,
-        "of_materials": materials.count(),
-        "limits": LIMITS,
-        "materials": results,
-        "summary": summary(results),
-    }
+    data: dict[str, Any] = materials.results(measured, quick=quick) | {"limits": LIMITS}
+    data["summary"] = summary(data["materials"])
     common.write(__file__, data, text(data))
 
 

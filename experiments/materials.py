@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ SYNTHETIC = common.ROOT / "data_synthetic"
 SIZE, REPEATS = 48, 1.0
 QUICK = ("solid_yellow", "patent_leather", "brushed_carbon")
 """Ids of the synthetic materials of a quick run; the BASF paints are always looked at."""
+SUBSET = "solid_yellow"
 SAMPLES = Samples(lobe=16, cosine=32, light=32)
 
 
@@ -65,6 +66,23 @@ def chosen(*, quick: bool) -> list[AxfMaterial]:
 def count() -> int:
     """How many materials a whole run looks at."""
     return len(chosen(quick=False))
+
+
+Measure = Callable[[AxfMaterial], dict[str, Any]]
+
+
+def one_again(measured: Measure) -> dict[str, Any]:
+    """The part that the tests compute again: one solid paint."""
+    return {m.name: measured(m) for m in synthetic() if m.id == SUBSET}
+
+
+def results(measured: Measure, *, quick: bool) -> dict[str, Any]:
+    """What was measured of each material, and of how many there are."""
+    return {
+        "size": SIZE,
+        "of_materials": count(),
+        "materials": {m.name: measured(m) for m in chosen(quick=quick)},
+    }
 
 
 def picture(shown: Shown, size: int = SIZE) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -11,7 +12,7 @@ import numpy as np
 from .. import brdf
 from ..errors import InputError
 from .maps import gather, grid_shape, texel_centers
-from .material import AxfMaterial, MaterialKind
+from .material import AxfMaterial, AxfTexture, MaterialKind
 from .ranges import DEFAULT_IOR, ROUGHNESS_FLOOR
 
 
@@ -198,6 +199,17 @@ def car_paint_base(material: AxfMaterial) -> brdf.CarPaint:
         spreads=values.get("CT_spreads", np.ones(1, np.float32)),
         color_table=brdf.white_color_table() if colors is None else brdf.ColorTable(colors.data.astype(np.float32)),
     )
+
+
+def car_paint_content(paint: brdf.CarPaint) -> tuple[dict[str, AxfTexture], dict[str, Any]]:
+    """Textures and properties that hold a car paint below its coat: the inverse of `car_paint_base`."""
+    properties = {
+        "CT_diffuse": paint.diffuse,
+        "CT_coeffs": paint.coefficients,
+        "CT_F0s": paint.f0,
+        "CT_spreads": paint.spreads,
+    }
+    return {"brdfcolors": AxfTexture((np.asarray(paint.color_table.values, np.float32),))}, properties
 
 
 def car_paint_ior(material: AxfMaterial) -> tuple[np.float32, int]:

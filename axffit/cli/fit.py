@@ -147,16 +147,15 @@ def as_material(fitted: Fitted) -> "AxfMaterial":
     Raises:
         InputError: the model is no car paint.
     """
-    import numpy as np
-
     from axffit import axf, brdf
+    from axffit.axf.appearance import car_paint_content
 
     model = fitted.result.model
     # AxF's car paint has a coat; one of index 1 that does not refract changes nothing.
     coated = brdf.ClearCoat(model, 1.0, refracting=False) if isinstance(model, brdf.CarPaint) else model
     if not isinstance(coated, brdf.ClearCoat) or not isinstance(coated.base, brdf.CarPaint):
         raise InputError(f"{fitted.result.model_name} cannot be written as an AxF car paint: fit carpaint")
-    paint = coated.base
+    textures, properties = car_paint_content(coated.base)
     name = fitted.measurements.name or "fitted"
     return axf.AxfMaterial(
         id=re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "fitted",
@@ -164,15 +163,8 @@ def as_material(fitted: Fitted) -> "AxfMaterial":
         kind=axf.MaterialKind.CAR_PAINT,
         specular_model="CookTorrance",
         fresnel_variant="Schlick1994",
-        textures={"brdfcolors": axf.AxfTexture((np.asarray(paint.color_table.values, np.float32),))},
-        properties={
-            "CT_diffuse": paint.diffuse,
-            "CT_coeffs": paint.coefficients,
-            "CT_F0s": paint.f0,
-            "CT_spreads": paint.spreads,
-            "IOR": coated.ior,
-            "cc_no_refraction": 0 if coated.refracting else 1,
-        },
+        textures=textures,
+        properties={**properties, "IOR": coated.ior, "cc_no_refraction": 0 if coated.refracting else 1},
         metadata={"fitted_by": f"axffit {__version__}", "fitted_model": fitted.result.model_name},
     )
 

@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from axffit.axf import AxfMaterial, AxfTexture, MaterialKind, to_brdf
-from axffit.axf.appearance import car_paint_ior
+from axffit.axf.appearance import car_paint_content, car_paint_ior
 from axffit.axf.maps import gather, grid_shape, reference_map, texel_centers
 from axffit.axf.ranges import ROUGHNESS_FLOOR
 from axffit.brdf import AbstractBRDF, CarPaint, ClearCoat
@@ -207,18 +207,12 @@ def _car_paint(
 
 def _as_paint(material: AxfMaterial, paint: CarPaint, coat: Coat | None) -> AxfMaterial:
     """The original with the lobes and the color table of a fit; a coat of index 1 stands for none."""
-    lobes = {
-        "CT_diffuse": paint.diffuse,
-        "CT_coeffs": paint.coefficients,
-        "CT_F0s": paint.f0,
-        "CT_spreads": paint.spreads,
-    }
+    textures, lobes = car_paint_content(paint)
     bare = {} if coat is not None else {"IOR": 1.0, "cc_no_refraction": 1}
-    table = AxfTexture((np.asarray(paint.color_table.values, np.float32),))
     return replace(
         material,
         properties=dict(material.properties) | lobes | bare,
-        textures=dict(material.textures) | {"brdfcolors": table},
+        textures=dict(material.textures) | textures,
         alternatives=(),
         metadata=dict(material.metadata) | {"refitted_from": "CarPaint2", "refitted_to": f"{len(paint.spreads)} lobes"},
     )

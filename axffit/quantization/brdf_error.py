@@ -24,12 +24,13 @@ import numpy as np
 from ..axf import AxfMaterial
 from .ascent import ascend
 from .colors import ILLUMINANTS, ColorError, color_differences, color_errors, exposed
-from .definitions import BATCH, KINDS, Pairs, errors_at, lights_of, normals_of
+from .definitions import BATCH, Pairs, errors_at, lights_of, normals_of
 from .directions import VIEW_POLAR, even_lights, views
 from .expected import UNIFORM, Expected, Lighting, Tally, posed, uniform_irradiance
 from .local import local_texels
 from .measures import COLORS, has_color_science
 from .statistics import finite_or_none
+from .tolerances import KINDS
 
 EVEN_LIGHTS = 60
 STARTS = 512

@@ -5,10 +5,9 @@ from typing import Any
 
 from .brdf_error import BrdfErrors, Found
 from .checks import Check
-from .definitions import KINDS, Kind
 from .material_bounds import MaterialBounds
 from .statistics import finite_or_none
-from .tolerances import Tolerances
+from .tolerances import KINDS, Kind, Tolerances
 
 _TITLES = {
     "peak_relative": ("b", "max |f' - f| i_z / max_i (f i_z), peak per view"),

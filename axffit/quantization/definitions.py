@@ -10,7 +10,6 @@ above the base's, in views whose mirror direction does so, too. (b) in what is l
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Literal
 
 import equinox as eqx
 import jax
@@ -28,10 +27,6 @@ BATCH = 32
 
 RELEVANT = 1e-3
 """Definition (c) looks where f i_z is at least this part of the view's peak."""
-
-Kind = Literal["peak_relative", "log_ratio"]
-KINDS: tuple[Kind, ...] = ("peak_relative", "log_ratio")
-"""Definitions (b) and (c)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -189,7 +189,7 @@ def _negatives(
 
 
 def _is_negative(codes: np.ndarray, form: NumberFormat) -> np.ndarray:
-    if not form.is_float:
+    if not (form.is_float and form.codecs[0].lowest < 0):
         return np.zeros(codes.shape, bool)
     highest = codes.dtype.type(1 << (form.codecs[0].bits - 1))
     return codes > highest

@@ -55,7 +55,7 @@ class Hypothesis:
 def ranks(codes: np.ndarray, form: NumberFormat) -> Codes:
     """Codes in the order of their numbers: those of negative floats negated."""
     codes = codes.astype(np.int64)
-    if not form.is_float:
+    if not (form.is_float and form.codecs[0].lowest < 0):
         return codes
     sign = np.int64(1) << (form.codecs[0].bits - 1)
     return np.where(codes >= sign, sign - codes, codes)

@@ -17,9 +17,9 @@ from ..targets import PackedMaterial, target_named
 from .bounds import Bracket, Form, NoBound, TexelClass, bracket, form_of
 from .brdf_error import without_negative_colors
 from .classes import ClassTable, class_table
-from .definitions import KINDS, Kind
 from .statistics import finite_or_none
 from .tiles import of_packed_texels, of_texels
+from .tolerances import KINDS, Kind
 
 MOST_BRACKETS = 7
 """Brackets of a material, shared among its forms: one for an SVBRDF, three (color channels) for a car paint."""

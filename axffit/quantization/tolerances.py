@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 from ..errors import InputError
 from ..targets import TARGETS
@@ -21,7 +21,10 @@ from .statistics import STATISTICS
 SCHEMA_VERSION = 1
 
 LUT_CHECKS = ("truncated", "rounded")
-BRDF_CHECKS = ("peak_relative", "log_ratio")
+
+Kind = Literal["peak_relative", "log_ratio"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+"""Definitions (b) and (c) of the BRDF errors (`definitions`)."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +108,7 @@ def known_names() -> tuple[str, ...]:
         name: [*(m.name for m in measures), *FILTERED_MEASURES.get(name, ())] for name, measures in MEASURES.items()
     }
     textures = [f"textures.{name}.{measure}" for name, names in measures.items() for measure in names]
-    return (*textures, *(f"lut.{check}" for check in LUT_CHECKS), *(f"brdf.{check}" for check in BRDF_CHECKS))
+    return (*textures, *(f"lut.{check}" for check in LUT_CHECKS), *(f"brdf.{check}" for check in KINDS))
 
 
 Entries = Mapping[str, Mapping[str, Any]]

@@ -9,9 +9,9 @@ import pytest
 
 from axffit.cli import dispatch, verify
 from axffit.quantization.bounds import Bracket, TexelClass
-from axffit.quantization.definitions import KINDS, Kind
 from axffit.quantization.document import schema
 from axffit.quantization.material_bounds import BoundedClass, MaterialBounds
+from axffit.quantization.tolerances import KINDS, Kind
 from tests.conftest import PROJECT
 
 SVBRDF = PROJECT / "data_synthetic" / "brushed_carbon" / "brushed_carbon.axf"

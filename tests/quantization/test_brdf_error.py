@@ -11,10 +11,11 @@ from axffit.axf import AxfMaterial, MaterialKind, to_brdf
 from axffit.axf.maps import gather
 from axffit.frames import tangent_frame, to_world
 from axffit.quantization.brdf_error import brdf_errors, without_negative_colors
-from axffit.quantization.definitions import KINDS, errors_at, lights_of, normals_of
+from axffit.quantization.definitions import errors_at, lights_of, normals_of
 from axffit.quantization.directions import even_lights, views
 from axffit.quantization.local import local_texels
 from axffit.quantization.samples import sample_texels
+from axffit.quantization.tolerances import KINDS
 from axffit.targets import unity_2018
 from tests.targets.materials import MATERIALS, paint, texture, unit_normals, ward, with_texture, without
 

@@ -8,9 +8,9 @@ import pytest
 from axffit.quantization import material_bounds as module
 from axffit.quantization.bounds import Bracket, NoBound
 from axffit.quantization.brdf_error import brdf_errors
-from axffit.quantization.definitions import KINDS
 from axffit.quantization.material_bounds import material_bounds
 from axffit.quantization.samples import sample_texels
+from axffit.quantization.tolerances import KINDS
 from axffit.targets import unity_2018
 from tests.quantization.test_brdf_error import single_lobe
 from tests.targets.materials import paint, ward

@@ -13,7 +13,7 @@ from axffit.quantization import default_tolerances, read_tolerances
 from axffit.quantization.maps import map_errors
 from axffit.quantization.measures import MEASURES
 from axffit.quantization.statistics import STATISTICS
-from axffit.quantization.tolerances import BRDF_CHECKS, LUT_CHECKS, Tolerance, known_names
+from axffit.quantization.tolerances import KINDS, LUT_CHECKS, Tolerance, known_names
 from axffit.targets import TARGETS, target_named
 from tests.targets.materials import paint, ward, with_texture
 
@@ -29,7 +29,7 @@ def test_every_default_has_a_reason_and_every_texture_a_limit():
     assert all(len(entry.reason) > 20 for entry in entries.values())
     for axf_name in MEASURES:
         assert any(name.startswith(f"textures.{axf_name}.") for name in entries)
-    assert {f"lut.{c}" for c in LUT_CHECKS} | {f"brdf.{c}" for c in BRDF_CHECKS} <= set(entries)
+    assert {f"lut.{c}" for c in LUT_CHECKS} | {f"brdf.{c}" for c in KINDS} <= set(entries)
     assert set(entries) <= set(known_names())
 
 

@@ -16,8 +16,8 @@ from axffit.quantization import Tolerance, Tolerances, default_tolerances, verif
 from axffit.quantization.bounds import Bracket, TexelClass
 from axffit.quantization.brdf_error import BrdfErrors, Found
 from axffit.quantization.brdf_verdict import BrdfVerdict
-from axffit.quantization.definitions import KINDS, Kind
 from axffit.quantization.material_bounds import BoundedClass, MaterialBounds
+from axffit.quantization.tolerances import KINDS, Kind
 from axffit.quantization.verdict import schema
 from axffit.targets import unity_2018
 from axffit.textures.unorm import linear_to_srgb

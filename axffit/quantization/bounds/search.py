@@ -8,7 +8,6 @@ import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal
 
 import jax
 import jax.numpy as jnp
@@ -18,10 +17,8 @@ from ...brdf import AbstractBRDF, Framed, Schlick1994
 from ...frames import dot, reflect
 from ..definitions import RELEVANT
 from ..directions import LOWEST
+from ..tolerances import Kind
 from .texel_class import TexelClass
-
-Kind = Literal["peak_relative", "log_ratio"]
-"""Definition (b) or (c)."""
 
 Model = Callable[..., AbstractBRDF]
 """A class of `axffit.brdf`: (color, roughness, Fresnel) to a lobe."""

@@ -20,8 +20,9 @@ from ...frames import dot, half_difference_to_directions, reflect, refract, sphe
 from ...numerics import normalize
 from ..definitions import RELEVANT
 from ..directions import LOWEST
+from ..tolerances import Kind
 from .form import Form
-from .search import ROUNDING, SEED, TINY, Kind, error_value
+from .search import ROUNDING, SEED, TINY, error_value
 from .texel_class import TexelClass
 from .views import Grid
 
