@@ -1,5 +1,6 @@
 """The BRDF level of a verdict: for each definition what was found, what is proved, and which of the two is judged."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,7 +27,8 @@ def _unproved(errors: BrdfErrors, bounds: MaterialBounds, kind: Kind) -> str:
         return bounds.reason
     if bound <= OPEN * found:
         return ""
-    return f"the search for a bound ended at {bound:.3g}, more than {OPEN:g} times what was found"
+    ended = f"at {bound:.3g}, more than {OPEN:g} times what was found" if math.isfinite(bound) else "without one"
+    return f"the search for a bound ended {ended}"
 
 
 @dataclass(frozen=True)

@@ -117,7 +117,8 @@ def _sentence(result: Mapping[str, Any]) -> str:
         if result["lut"] is not None:
             parts.append("the slice table")
         if result["brdf"]["evaluated"]:
-            parts.append("the reflectance")
+            proved = all(row["judged"] == "bound" for row in result["brdf"]["rows"])
+            parts.append("the reflectance" if proved else "the reflectance found (not proved)")
         joined = ", ".join(parts[:-1]) + " and " + parts[-1] if len(parts) > 1 else parts[0]
         return f"{joined[0].upper()}{joined[1:]} within tolerance."
     outside = len(result["failures"])
@@ -250,10 +251,11 @@ def _reflectance_note(brdf: Mapping[str, Any]) -> str:
         proved = f"Judged is what was found; no bound is proved: {bounds['reason']}. "
     else:
         groups, cells = len(bounds["classes"]), count(bounds["cells"])
-        proved = f"Bound: proved for every texel, view and light, by {groups} groups of {cells} texel classes; judged. "
-        for row in brdf["rows"]:
-            if row["unproved"]:
-                proved += f"Of ({row['definition']}) what was found is judged: {row['unproved']}. "
+        unproved = [f"({row['definition']}) {row['unproved']}" for row in brdf["rows"] if row["unproved"]]
+        proved = f"Bound: holds for every texel, view and light, by {groups} groups of {cells} texel classes. "
+        proved += (
+            f"Judged is what was found where there is none: {'; '.join(unproved)}. " if unproved else "It is judged. "
+        )
     return f"{found}{proved}Nearer to the horizon, where f jumps to 0: {_share(brdf['strip']['found'])} of the peak."
 
 
