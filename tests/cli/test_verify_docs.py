@@ -12,7 +12,7 @@ from axffit.cli import dispatch
 from axffit.quantization import read_tolerances
 from axffit.quantization.diagnosis import FACTOR, NAMES, NOISE
 from axffit.quantization.hypotheses import SAMPLE_TEXELS
-from axffit.quantization.tolerances import BRDF_CHECKS, LUT_CHECKS
+from axffit.quantization.tolerances import KINDS, LUT_CHECKS
 from axffit.targets import TARGETS
 from tests.conftest import PROJECT
 from tests.targets.materials import paint, ward
@@ -66,5 +66,5 @@ def test_options_faults_engines_and_limits_are_all_there(capsys):
     assert f"at least {FACTOR:g} times" in TEXT
     assert f"after {NOISE:g} bits" in TEXT
     assert f"{SAMPLE_TEXELS:,} texels".replace(",", " ") in " ".join(TEXT.split())
-    for name in (*TARGETS, *(f"lut.{check}" for check in LUT_CHECKS), *(f"brdf.{check}" for check in BRDF_CHECKS)):
+    for name in (*TARGETS, *(f"lut.{check}" for check in LUT_CHECKS), *(f"brdf.{check}" for check in KINDS)):
         assert f"`{name}`" in TEXT
