@@ -2,8 +2,8 @@
 
 1. Lobes on luminance (Rec. 709), the table's luminance being 1 everywhere. Standard errors of b come from here.
 2. The color table for these lobes, per channel; texels that no sample touches are marked and stay 0.
-3. Lobes and table together, the table eliminated (``axffit.fitting.joint``), started from the lobes with one color,
-   those of stage 1 and those that the cosine metric finds; the lower cost counts.
+3. Lobes and table together, the table eliminated (``axffit.fitting.joint``), started from three sets of lobes with one
+   color: those of stage 1, those that the cosine metric finds, and narrow ones; the lowest cost counts.
    Errors of the lobes are conditional on the table.
 
 f fixes chi and b up to a factor: the data-weighted mean luminance of chi is 1.
@@ -35,6 +35,8 @@ from axffit.measured import REC709_LUMINANCE, Measurements
 
 Progress = Callable[[str, float], None]
 _PEAK_SAMPLES = 2048
+_NARROWEST, _WIDENING = 0.007, 3.0
+"""Spreads of the narrow start: with a table the lobes are for what is finer than its texels (0.025 at 64 of them)."""
 
 
 def luminance(measurements: Measurements) -> Measurements:
@@ -112,12 +114,12 @@ def fit_car_paint(
     start = _joint_start(model, scaled, color, size)
     joint.set_penalty(*start)
     table_only = joint.minimize(*start, free_lobes=False, max_steps=max_steps, progress=progress)
-    peak_color, peak = _one_color(problem, _peak_lobes(model, gray_problem, measurements, max_steps))
+    starts = [start]
+    for other in (_peak_lobes(model, gray_problem, measurements, max_steps), _narrow_lobes(model, gray_problem)):
+        other_color, other_scaled = _one_color(problem, other)
+        starts.append(_joint_start(model, other_scaled, other_color, size))
     together = min(
-        (
-            joint.minimize(*one, free_lobes=True, max_steps=max_steps, progress=progress)
-            for one in (start, _joint_start(model, peak, peak_color, size))
-        ),
+        (joint.minimize(*one, free_lobes=True, max_steps=max_steps, progress=progress) for one in starts),
         key=lambda result: result.state.cost,
     )
     if together.state.cost > table_only.state.cost:
@@ -158,6 +160,12 @@ def _peak_lobes(
     gray, residual = luminance(measurements), CosineWeighted()
     problem = subsample(make_problem(model, residual, gray, residual.prepare(gray)), _PEAK_SAMPLES)
     shapes = minimize(problem, max_steps=max_steps).shapes
+    return Lobes(shapes, cost_at(gray_problem, shapes)[1])
+
+
+def _narrow_lobes(model: CarPaintModel, gray_problem: SeparableProblem) -> Lobes:
+    """Lobes of fixed narrow spreads: without a table neither metric would choose them, and with one they often win."""
+    shapes = Shapes(jnp.asarray(_NARROWEST * _WIDENING ** np.arange(model.lobe_count)))
     return Lobes(shapes, cost_at(gray_problem, shapes)[1])
 
 
