@@ -227,7 +227,7 @@ def _as_svbrdf(material: AxfMaterial, base: str, fitted: Any, coat: Coat | None)
 
     textures = {
         "diffusecolor": texel(diffuse.color, 3),
-        "specularcolor": texel(lobe.color, 3),
+        "specularcolor": texel(lobe.specular_color, 3),
         "specularlobe": texel(np.clip(lobe.roughness, 0.0, 1.0), 1),
         "fresnel": texel(lobe.fresnel.f0, 1),
     }

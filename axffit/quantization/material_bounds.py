@@ -21,7 +21,7 @@ from .statistics import finite_or_none
 from .tiles import of_packed_texels, of_texels
 from .tolerances import KINDS, Kind
 
-MOST_BRACKETS = 7
+MOST_BRACKETS = 15
 """Brackets of a material, shared among its forms: one for an SVBRDF, three (color channels) for a car paint."""
 
 WORTH = 0.95

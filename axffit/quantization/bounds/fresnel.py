@@ -57,24 +57,44 @@ class Passing(NamedTuple):
     """d log(1 - F) / dn."""
 
 
-def passing(n: Interval, cosine: Interval, inside: Interval) -> Passing:
-    """1 - F = ½ (1 - r_s²) + ½ (1 - r_p²), r_s = (c - G) / (c + G), r_p = (n² c - G) / (n² c + G), G = ``inside``.
+def passing(n: Interval, cosine: Interval) -> Passing:
+    """1 - F = ½ (1 - r_s²) + ½ (1 - r_p²), r_s = (q - 1) / (q + 1), r_p = (n² q - 1) / (n² q + 1), q = c / G.
 
-    d log(1 - F)/dc = -(n² - 1) / (c G²) · the mean of r_s and r_p, weighted by 1 - r²; d/dn likewise, of r_s n / G² and
-    of r_p (n / G² - 2 / n).
+    G² = n² - 1 + c². d log(1 - F)/dc is the mean, weighted by 1 - r², of (1 - q)² / c and of -r_p (n² - 1) / (c G²);
+    d/dn likewise of r_s n / G² and of r_p (n / G² - 2 / n). q rises with c and falls with n, and so on: ranges are
+    taken at ends, for a box next to the horizon holds c of very different sizes.
     """
     square = iv.square(n)
-    quotient = cosine / inside
-    rs, rp = _amplitude(quotient), _amplitude(square * quotient)
+    q = quotient(n, cosine)
+    rs, rp = _amplitude(q), _amplitude(square * q)
     ws, wp = (iv.clip(1.0 - iv.square(r), 0.0, 1.0) for r in (rs, rp))
-    whole = ws + wp
-    share = iv.clip(ws / whole, 0.0, 1.0)
-    share = iv.meet(iv.clip(1.0 / (1.0 + wp / ws), 0.0, 1.0), share)
-    below = iv.square(inside)
+    # (1 - r_p²) / (1 - r_s²) = n² ((1 + q) / (1 + n² q))², where (1 + q) / (1 + n² q) falls with q.
+    fall = iv.falling(lambda x: (1.0 + x) / (1.0 + square * x), q)
+    share = iv.clip(1.0 / (1.0 + square * iv.square(fall)), 0.0, 1.0)
+    inside = square - 1.0 + iv.square(cosine)
+    by_cosine = _mean(
+        share,
+        iv.square(iv.clip(1.0 - q, 0.0, 1.0)) / cosine,
+        -rp * ((square - 1.0) / (cosine * inside)),
+    )
+    over = n / inside
+    return Passing(iv.log(0.5 * (ws + wp)), by_cosine, _mean(share, rs * over, rp * (over - 2.0 / n)))
 
-    def mean(a: Interval, b: Interval) -> Interval:
-        return b + share * (a - b)
 
-    by_cosine = -(square - 1.0) / (cosine * below) * mean(rs, rp)
-    over = n / below
-    return Passing(iv.log(0.5 * whole), by_cosine, mean(rs * over, rp * (over - 2.0 / n)))
+def quotient(n: Interval, cosine: Interval) -> Interval:
+    """c / sqrt(n² - 1 + c²) = 1 / sqrt(1 + (n² - 1) / c²): rises with c, falls with n."""
+
+    def corner(n: np.ndarray, c: np.ndarray) -> Interval:
+        return 1.0 / iv.sqrt(1.0 + (iv.square(Interval(n, n)) - 1.0) / iv.square(Interval(c, c)))
+
+    return iv.clip(Interval(corner(n.hi, cosine.lo).lo, corner(n.lo, cosine.hi).hi), 0.0, 1.0)
+
+
+def _mean(share: Interval, a: Interval, b: Interval) -> Interval:
+    """share · a + (1 - share) · b, linear in each."""
+
+    def end(a: np.ndarray, b: np.ndarray) -> list[Interval]:
+        return [Interval(b, b) + Interval(s, s) * (Interval(a, a) - Interval(b, b)) for s in (share.lo, share.hi)]
+
+    low, high = end(a.lo, b.lo), end(a.hi, b.hi)
+    return Interval(np.minimum(low[0].lo, low[1].lo), np.maximum(high[0].hi, high[1].hi))

@@ -224,13 +224,31 @@ def _smith_side(
         rest = alpha * iv.clip(1.0 - z2, 0.0, 1.0)
         root = iv.sqrt(z2 + rest)
         whole = w[2] + root
-        return iv.log(whole), (ZERO, ZERO, (1.0 + (1.0 - alpha) * w[2] / root) / whole), rest / (root * whole), ZERO
-    x, y = iv.square(a_x * w[0]), iv.square(a_y * w[1])
+        by = iv.square(_over_root(iv.sqrt(rest), z2)) / (1.0 + _over_root(w[2], rest))
+        return iv.log(whole), (ZERO, ZERO, (1.0 + (1.0 - alpha) * _over_root(w[2], rest)) / whole), by, ZERO
+    slant = (a_x * w[0], a_y * w[1])
+    x, y = iv.square(slant[0]), iv.square(slant[1])
     root = iv.sqrt(z2 + x + y)
     whole = w[2] + root
-    below = 1.0 / (root * whole)
-    gradient = (iv.square(a_x) * w[0] * below, iv.square(a_y) * w[1] * below, iv.clip(1.0 / root, 0.0, np.inf))
-    return iv.log(whole), gradient, x * below, y * below
+    # Each of S's parts over S, at ends: they are at most 1, which a quotient of intervals is not.
+    steep = [_over_root(one, z2 + rest) for one, rest in zip(slant, (y, x), strict=True)]
+    below = 1.0 / whole
+    gradient = (a_x * steep[0] * below, a_y * steep[1] * below, iv.clip(1.0 / root, 0.0, np.inf))
+    # S / A = 1 / (1 + z / S)
+    part = 1.0 / (1.0 + _over_root(w[2], x + y))
+    return iv.log(whole), gradient, iv.square(steep[0]) * part, iv.square(steep[1]) * part
+
+
+def _over_root(x: Interval, rest: Interval) -> Interval:
+    """x / sqrt(x² + r): rises with x, and towards 0 as r grows."""
+
+    def at(x: np.ndarray, rest: np.ndarray) -> Interval:
+        x_, r_ = Interval(x, x), Interval(rest, rest)
+        return iv.clip(x_ / iv.sqrt(iv.square(x_) + r_), -1.0, 1.0)
+
+    lo = at(x.lo, np.where(x.lo >= 0, rest.hi, rest.lo)).lo
+    hi = at(x.hi, np.where(x.hi >= 0, rest.lo, rest.hi)).hi
+    return Interval(lo, hi)
 
 
 def oren_nayar(g: Pairs, roughness: float) -> Part:

@@ -12,6 +12,7 @@ from . import intervals as iv
 from .coat import Coat, Side
 from .color_table import TableBounds
 from .extremes import Extremes
+from .fresnel import passing
 from .geometry import HORIZON
 from .intervals import Interval
 from .pairs import Vector, pairs_of_views, plus, times
@@ -22,6 +23,9 @@ STRETCH = (1.0, 0.8, 1.4, 2.0)
 
 NEIGHBORS = ((0, 0), (0, 1), (0, -1), (1, 0), (-1, 0), (4, 0))
 """And those of cells near by, in steps of cosine and azimuth."""
+
+FINER = 2
+"""Next to views whose mirror direction does not leave the coat peaks change fast."""
 
 
 def edges(cells: int) -> np.ndarray:
@@ -100,7 +104,7 @@ class Peaks:
         model: the terms.
         coat: the coat.
         given: the class's ranges.
-        grid: the cells.
+        grid: the cells; where azimuths matter each is cut into `FINER`² of its own.
         slopes: of a high light's half vector for each cell's middle, in the base's frame, two arrays.
         table: the color table of a car paint.
     """
@@ -115,12 +119,17 @@ class Peaks:
         table: TableBounds | None,
     ):
         """Proof over all cells."""
+        steps = np.array(NEIGHBORS)
+        if grid.azimuths > 1:
+            shape = (len(grid.edges) - 1, grid.azimuths)
+            slopes = tuple(np.kron(s.reshape(shape), np.ones((FINER, FINER))).reshape(-1) for s in slopes)  # pyright: ignore[reportAssignmentType]
+            grid, steps = Grid(FINER * shape[0], FINER * shape[1]), FINER * steps
         self.grid = grid
         cosine, azimuth = grid.boxes()
         views = _views_below(coat, given, cosine, azimuth)
         best = np.full(cosine.lo.shape, -np.inf)
         shape = (len(grid.edges) - 1, grid.azimuths)
-        near = [tuple(np.roll(s.reshape(shape), step, axis=(0, 1)).reshape(-1) for s in slopes) for step in NEIGHBORS]
+        near = [tuple(np.roll(s.reshape(shape), step, axis=(0, 1)).reshape(-1) for s in slopes) for step in steps]
         tries = [tuple(part * s for s in slopes) for part in STRETCH[1:]] + near
         tries.append(tuple(np.zeros_like(s) for s in slopes))
         for attempt in tries:
@@ -177,7 +186,7 @@ def _height(
 def light_factor(coat: Coat, given: Parameters, side: Side) -> Interval:
     """Log of i_z times what the coat lets in."""
     log = iv.log(side.cosine)
-    return log if coat.kind is None else log + coat.passing(side, given["ior"]).log
+    return log if coat.kind is None else log + passing(given["ior"], side.cosine).log
 
 
 def log_sum(logs: list[Interval]) -> Interval:

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..definitions import RELEVANT
 from . import intervals as iv
-from .coat import Coat, CoatFrame, Side
+from .coat import Coat, CoatFrame, Motion, Side
 from .color_table import TableBounds
 from .form import Form, NoBound
 from .geometry import HORIZON
@@ -49,8 +49,12 @@ class Evaluated(NamedTuple):
     """Each term's d_j."""
     latest: list[np.ndarray]
     """Upper bounds of each term's log height after, over the peak before."""
-    colors: tuple[Interval, Interval]
-    """What a color table adds to every change: for (b), relative to its largest value over the box, and for (c)."""
+    colors: Interval
+    """What quantization of a color table adds to every change, where its values are large enough."""
+    added: np.ndarray
+    """What a change of the table's value that is absolute adds to (b), whatever the value."""
+    all_colors: Interval
+    """What both add to every change in the relevant part."""
 
 
 class WholeErrors:
@@ -162,25 +166,53 @@ class WholeErrors:
         color = ZERO
         if self.table is not None:
             color = self.table.log(g.t2, g.cos_d)
-            over = over + color
-            over_mirror = over_mirror + Relief(color - self.table.log(ZERO, g.wo[2]))
+            over_mirror = over_mirror + Relief(-self.table.log(ZERO, g.wo[2]))
         moved = inflated(g, self.rigid, self.loose, *a, self.model.ratio_hulls())
+        motion = self._motion(moved, (light, viewer), frame, n)
         terms = self.model.terms(g, moved, given)
-        changes = [self._change(term, moved, (light, viewer), frame, n) for term in terms]
+        changes = [self._change(term, moved, motion) for term in terms]
         logs = [term.log for term in terms]
         # A term's own value at the mirror direction is a lower bound of the peak, too.
-        heights = [
-            np.fmin(np.fmin(iv.up(t.log.hi + over.hi), (t.relief + over_mirror).log(g.v).hi), 0.0) for t in terms
-        ]
-        total = np.fmin(iv.up(log_sum(logs).hi + over.hi), log_sum([Interval(h, h) for h in heights]).hi)
+        plain = [np.fmin(iv.up(t.log.hi + over.hi), (t.relief + over_mirror).log(g.v).hi) for t in terms]
+        heights = [np.fmin(iv.up(height + color.hi), 0.0) for height in plain]
+        total = np.fmin(
+            iv.up(iv.up(log_sum(logs).hi + over.hi) + color.hi), log_sum([Interval(h, h) for h in heights]).hi
+        )
         latest = [iv.up(t.after + over.hi) if self.coat.kind is None else np.full_like(peak, np.inf) for t in terms]
         total = np.where(possible, np.fmin(total, 0.0), -np.inf)
-        colors = (ZERO, ZERO)
+        colors, added, all_colors = ZERO, np.zeros(1), ZERO
         if self.table is not None:
-            colors = _color_changes(color, *self.table.change(moved, self.rigid, self.loose), total)
-        return Evaluated(total, heights, logs, changes, latest, colors)
+            colors, absolute = self.table.change(moved, *self._travels(motion))
+            added = _added(absolute, color, plain, changes)
+            all_colors = colors + _by_absolute(absolute, color, colors, total)
+        return Evaluated(total, heights, logs, changes, latest, colors, added, all_colors)
 
-    def _change(self, term: Term, g: Pairs, sides: tuple[Side, Side], frame: CoatFrame, n: Interval) -> Interval:
+    def _motion(self, g: Pairs, sides: tuple[Side, Side], frame: CoatFrame, n: Interval) -> Motion | None:
+        """What a coat that moves does, wherever directions, normal and index may go."""
+        texels = self.texels
+        if self.coat.kind is None or (texels.coat_tilt == 0 and texels.ior_change == (0.0, 0.0)):
+            return None
+        n = n + iv.hull(ZERO, Interval(*texels.ior_change))
+        step = float(np.nextafter(self.loose + self.rigid + texels.coat_tilt, np.inf)) * (1 + 2.0**-50)
+        if not self.coat.aligned or texels.coat_tilt > 0:
+            frame = CoatFrame(*(vector_around(axis, texels.coat_tilt) for axis in frame))
+        moved = self._moved_side(sides[0], step), self._moved_side(sides[1], step)
+        return self.coat.motion(moved, n, g, frame)
+
+    def _travels(self, motion: Motion | None) -> tuple[np.ndarray, np.ndarray]:
+        """How far theta_h and theta_d move at most."""
+        travels = np.full(1, self.rigid), np.zeros(1)
+        if motion is None or not motion.refracting:
+            return travels
+        texels = self.texels
+        most = max(abs(end) for end in texels.ior_change)
+        one, other = (
+            iv.up(start + iv.up(iv.up(texels.coat_tilt * normal) + iv.up(most * index)))
+            for start, (normal, index) in zip(travels, motion.angles(), strict=True)
+        )
+        return one, other
+
+    def _change(self, term: Term, g: Pairs, motion: Motion | None) -> Interval:
         """Range of the change of log f_j."""
         texels = self.texels
         slopes = term.slopes
@@ -202,7 +234,7 @@ class WholeErrors:
         turned = plus(turned, times(4.0 * slopes.along_mirror, (g.mixed[1], -g.mixed[0], ZERO)))
         change = term.change + _within(texels.tilt, iv.sqrt(iv.square(turned[0]) + iv.square(turned[1])))
         change = change + _within(texels.twist, turned[2])
-        if self.coat.kind is None or (texels.coat_tilt == 0 and texels.ior_change == (0.0, 0.0)):
+        if motion is None:
             return change
         below = 1.0 / (2.0 * g.middle)
         half = times(slopes.along_cos_d * g.cos_h / (2.0 * g.cos_d), (g.p, g.s, ONE))
@@ -211,26 +243,20 @@ class WholeErrors:
             plus(plus(shared, own), times(slopes.along_mirror, (-w[0], -w[1], w[2])))
             for own, w in ((slopes.light, g.wo), (slopes.viewer, g.wi))
         )
-        n = n + iv.hull(ZERO, Interval(*texels.ior_change))
-        step = float(np.nextafter(self.loose + self.rigid + texels.coat_tilt, np.inf)) * (1 + 2.0**-50)
-        moved = tuple(self._moved_side(side, step, n) for side in sides)
-        if not self.coat.aligned or texels.coat_tilt > 0:
-            frame = CoatFrame(*(vector_around(axis, texels.coat_tilt) for axis in frame))
-        one, other, by_index = self.coat.tilt_and_index((moved[0], moved[1]), n, g, (gradients[0], gradients[1]), frame)
+        one, other, by_index = motion.changes((gradients[0], gradients[1]))
         change = change + _within(texels.coat_tilt, iv.sqrt(iv.square(one) + iv.square(other)))
         return change + Interval(*texels.ior_change) * by_index
 
-    def _moved_side(self, side: Side, step: float, n: Interval) -> Side:
+    def _moved_side(self, side: Side, step: float) -> Side:
         """A side of the coat wherever it may go."""
         cosine = iv.clip(iv.around(side.cosine, self.texels.coat_tilt), 2.0**-12, 1.0)
         if self.coat.kind == "straight":
-            return Side(cosine, cosine, iv.sqrt(iv.square(n) - 1.0 + iv.square(cosine)))
-        below = iv.clip(iv.around(side.below, step), 0.5 * self.lowest_below, 1.0)
-        return Side(below, cosine, n * below)
+            return Side(cosine, cosine)
+        return Side(iv.clip(iv.around(side.below, step), 0.5 * self.lowest_below, 1.0), cosine)
 
     def log_ratio(self, ends: np.ndarray) -> np.ndarray:
         """(c): |log f' - log f| where f i_z may reach 1e-3 of the peak, else 0."""
-        log_height, _, logs, changes, _, (_, color) = self.evaluate(ends)
+        log_height, _, logs, changes, _, _, _, color = self.evaluate(ends)
         changes = [color + change for change in changes]
         if len(changes) == 1:
             size = iv.magnitude(changes[0])
@@ -243,7 +269,7 @@ class WholeErrors:
 
     def peak_relative(self, ends: np.ndarray) -> np.ndarray:
         """(b): |f' - f| i_z / peak, upwards and downwards; at most the height times the largest relative change."""
-        log_height, heights, _, changes, latest, (color, _) = self.evaluate(ends)
+        log_height, heights, _, changes, latest, color, added, _ = self.evaluate(ends)
         rises = [iv.up(np.maximum(c.hi, 0.0) + color.hi) for c in changes]
         falls = [iv.down(np.minimum(c.lo, 0.0) + color.lo) for c in changes]
         result = np.zeros_like(log_height)
@@ -254,27 +280,34 @@ class WholeErrors:
                 each = [np.fmin(one, iv.exp(Interval(late, late)).hi) for one, late in zip(each, latest, strict=True)]
             total = np.sum(np.stack(np.broadcast_arrays(*each)), axis=0)
             result = np.maximum(result, np.minimum(iv.up(total * (1 + 1e-14)), cap))
+        result = iv.up(result + added)
         result = np.where(np.isnan(result), np.inf, result)
         return np.where(np.isneginf(log_height), 0.0, result)
 
 
-def _color_changes(
-    color: Interval, relative: Interval, absolute: np.ndarray, log_height: np.ndarray
-) -> tuple[Interval, Interval]:
-    """Change of the log of the table's value chi, in (b) and in (c).
+def _added(absolute: np.ndarray, color: Interval, plain: list[np.ndarray], changes: list[Interval]) -> np.ndarray:
+    """What chi' = F chi + e adds to (b) by |e| <= ``absolute``: |e| sum_j e^(d_j) (f_j / chi) i_z / peak.
 
-    chi' = F chi + e: the factor is within ``relative``, which holds 1, and |e| counts the more the smaller chi is,
-    which may be 0 somewhere in a box. With r = |e| / (F · chi's largest value) the height, which was taken with that
-    value, changes by at most the factors F (1 -+ r). Where f i_z >= 1e-3 of the peak, chi is at least 1e-3 / height of
-    its largest value.
+    ``plain`` are logs of upper bounds of (f_j / chi) i_z / peak; their sum is at most 1 / chi.
     """
-    largest = Interval(color.hi, color.hi)
-    share = iv.up(iv.up(absolute * iv.exp(-largest).hi) * iv.exp(Interval(-relative.lo, -relative.lo)).hi)
+    parts = [iv.exp(Interval(log, log) + Interval(c.hi, c.hi)).hi for log, c in zip(plain, changes, strict=True)]
+    total = np.sum(np.stack(np.broadcast_arrays(*parts)), axis=0) * (1 + 1e-14)
+    most = np.maximum.reduce(np.broadcast_arrays(*(c.hi for c in changes)))
+    cap = iv.exp(Interval(most, most) - Interval(color.lo, color.lo)).hi
+    return np.where(absolute > 0, iv.up(absolute * np.fmin(total, cap)), 0.0)
+
+
+def _by_absolute(absolute: np.ndarray, color: Interval, relative: Interval, log_height: np.ndarray) -> Interval:
+    """What chi' = F chi + e adds to the change of the log by |e| <= ``absolute``, in the relevant part.
+
+    |e| counts the more the smaller chi is, which may be 0 somewhere in a box. But where f i_z >= 1e-3 of the peak, chi
+    is at least 1e-3 / height of its largest value, which the height was taken with.
+    """
+    least = np.fmax(color.lo, iv.down(iv.down(color.hi + _LOG_RELEVANT) - np.minimum(log_height, 0.0)))
+    least = np.where(log_height >= _LOG_RELEVANT, least, 0.0)
+    share = iv.up(absolute * iv.exp(Interval(-least, -least) + Interval(-relative.lo, -relative.lo)).hi)
     share = np.where(absolute > 0, share, 0.0)
-    enlarged = iv.exp(Interval(log_height - _LOG_RELEVANT, log_height - _LOG_RELEVANT)).hi * (1 + 1e-14)
-    narrow = iv.exp(largest - Interval(color.lo, color.lo)).hi
-    ends = [share, iv.up(share * np.maximum(np.fmin(enlarged, narrow), 1.0))]
-    return tuple(relative + iv.log1p(Interval(-np.minimum(r, 1.0), r)) for r in ends)  # pyright: ignore[reportReturnType]
+    return iv.log1p(Interval(-np.minimum(share, 1.0), share))
 
 
 def _within(size: float, rate: Interval) -> Interval:

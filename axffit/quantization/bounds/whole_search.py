@@ -6,172 +6,36 @@ in the class. Everything happens in the base's own frame before quantization; di
 highest light of its view.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ... import brdf
-from ...frames import dot, half_difference_to_directions, reflect, refract, spherical_to_direction
+from ...frames import dot, half_difference_to_directions, reflect, spherical_to_direction
 from ...numerics import normalize
 from ..definitions import RELEVANT
 from ..directions import LOWEST
-from ..tolerances import Kind
-from .form import Form
+from ..tolerances import KINDS, Kind
+from .kindred import BEFORE, ERRORS, Kindred, Numbers
 from .search import ROUNDING, SEED, TINY, error_value
-from .texel_class import TexelClass
 from .views import Grid
-
-Numbers = Mapping[str, jax.Array]
-"""A texel's parameters by `TexelClass`'s names, and the arrays of a paint."""
 
 STARTS, TRIES, STEPS = 512, 8192, 90
 """Ascents for each definition, pairs they are chosen from, and steps of each."""
 
+LINES, ROUNDS = 64, 4
+"""Places looked along, with `TRIES` points together, and rounds of moving the best along every coordinate."""
+
+MARGIN = 0.03
+"""Above log 1e-3, what counts as relevant until the exact peak is known."""
+
 DIRECTIONS = 4
 """y, psi, theta_d as a share of its range, phi."""
 
-BEFORE = ("roughness", "roughness_y", "f0", "specular", "diffuse", "gap", "gap_azimuth", "ior")
-ERRORS = ("roughness_ratio", "roughness_y_ratio", "f0_change", "specular_ratio", "diffuse_ratio", "ior_change")
 FINE, COARSE = (61, 25, 30, 11), (25, 12, 4, 5)
 """Half vectors in y and in azimuth, zooms, and points of a zoom: for single views, and for all cells."""
-
-
-@dataclass(frozen=True)
-class Kindred:
-    """What compiled code depends on: everything of a form that is not a number, and which numbers have ranges."""
-
-    diffuse: type[brdf.AbstractBRDF] | None
-    specular: type[brdf.AbstractBRDF] | None
-    fresnel: type[brdf.AbstractFresnel]
-    coat: str | None
-    paint: bool
-    isotropic: bool
-    exponents: bool
-    turning: bool
-
-    def model(self, at: Numbers, errors: Numbers | None = None) -> brdf.AbstractBRDF:
-        """The BRDF of a texel in the base's frame before; with errors, after.
-
-        ``errors`` holds `ERRORS`, the angles tilt, twist and coat_tilt, and the azimuths of the two tilts.
-        """
-        get, base_normal, twist = dict(at), jnp.asarray([0.0, 0.0, 1.0]), jnp.zeros(())
-        coat_normal = spherical_to_direction(at["gap"], at["gap_azimuth"])
-        if errors is not None:
-            for name in ("roughness", "roughness_y", "specular", "diffuse"):
-                get[name] = at[name] * errors[f"{name}_ratio"]
-            for name in ("f0", "ior"):
-                get[name] = at[name] + errors[f"{name}_change"]
-            if self.paint:
-                get["colors"] = at["colors_after"]
-            base_normal = spherical_to_direction(errors["tilt"], errors["tilt_azimuth"])
-            twist = errors["twist"]
-            first = spherical_to_direction(at["gap"] + 0.5 * np.pi, at["gap_azimuth"])
-            second = jnp.cross(coat_normal, first)
-            c, s = jnp.cos(errors["coat_azimuth"]), jnp.sin(errors["coat_azimuth"])
-            away = jnp.sin(errors["coat_tilt"]) * (c * first + s * second)
-            coat_normal = jnp.cos(errors["coat_tilt"]) * coat_normal + away
-        base = brdf.Framed(self._base(get), base_normal, twist)
-        if self.coat is None:
-            return base
-        return brdf.ClearCoat(base, get["ior"], coat_normal, refracting=self.coat == "refracting")
-
-    def _base(self, get: Numbers) -> brdf.AbstractBRDF:
-        ones = jnp.ones(3)
-        if self.paint:
-            table = brdf.ColorTable(jnp.repeat(get["colors"][..., None], 3, axis=-1))
-            return brdf.CarPaint(get["paint_diffuse"], get["coefficients"], get["f0s"], get["spreads"], table)
-        terms: list[brdf.AbstractBRDF] = []
-        if self.diffuse is brdf.OrenNayar1994:
-            terms.append(brdf.OrenNayar1994(get["diffuse"] * ones, np.pi / 4, interreflection=True))
-        elif self.diffuse is not None:
-            terms.append(_make(self.diffuse, get["diffuse"] * ones))
-        if self.specular is not None:
-            lobe = get["roughness"] if self.isotropic else jnp.stack([get["roughness"], get["roughness_y"]])
-            fresnel = brdf.NoFresnel() if self.fresnel is brdf.NoFresnel else _make(self.fresnel, get["f0"])
-            terms.append(_make(self.specular, get["specular"] * ones, lobe, fresnel))
-        return brdf.Sum(tuple(terms))
-
-    def width(self, at: Numbers) -> tuple[jax.Array, jax.Array]:
-        """Reference roughness along x and y, as in `terms`."""
-        if self.paint:
-            least = jnp.min(at["spreads"])
-            return least, least
-        if self.specular is None:
-            return jnp.ones(()), jnp.ones(())
-        x = at["roughness"]
-        y = x if self.isotropic else at["roughness_y"]
-        return (
-            (jnp.sqrt(2.0 / jnp.maximum(x, 2.0**-6)), jnp.sqrt(2.0 / jnp.maximum(y, 2.0**-6)))
-            if self.exponents
-            else (x, y)
-        )
-
-    def normal(self, at: Numbers) -> jax.Array:
-        """The outermost normal."""
-        if self.coat is None:
-            return jnp.asarray([0.0, 0.0, 1.0])
-        return spherical_to_direction(at["gap"], at["gap_azimuth"])
-
-    def inwards(self, at: Numbers, w: jax.Array) -> jax.Array:
-        """A direction below the coat."""
-        return normalize(refract(w, self.normal(at), at["ior"])) if self.coat == "refracting" else w
-
-    def outwards(self, at: Numbers, w: jax.Array) -> tuple[jax.Array, jax.Array]:
-        """A direction outside, and its cosine with the outermost normal; -1 where it does not leave."""
-        normal = self.normal(at)
-        below = dot(w, normal)
-        if self.coat != "refracting":
-            return w, below
-        n = at["ior"]
-        square = 1.0 - n * n * (1.0 - below * below)
-        leaves = (square > 0) & (below > 0)
-        cosine = jnp.sqrt(jnp.where(leaves, square, 1.0))
-        outside = normalize(n * w - (n * below - cosine) * normal)
-        return jnp.where(leaves, outside, normal), jnp.where(leaves, cosine, -1.0)
-
-    def lowest(self, at: Numbers, wi: jax.Array, wo: jax.Array) -> jax.Array:
-        """The smallest cosine of the domain, of directions below the coat: outside, at the base, of the mirror."""
-        mirror = wo * jnp.array([-1.0, -1.0, 1.0])
-        outside = [self.outwards(at, w)[1] for w in (wi, wo, mirror)]
-        return jnp.min(jnp.stack([*outside, wi[2], wo[2]]))
-
-    def radiance(self, model: brdf.AbstractBRDF, at: Numbers, wi: jax.Array, wo: jax.Array) -> jax.Array:
-        """f i_z of directions outside."""
-        return model.masked_value(wi, wo)[0] * dot(wi, self.normal(at))
-
-
-def _make(kind: Callable[..., Any], *arguments: Any) -> Any:
-    """An instance; the classes share no signature."""
-    return kind(*arguments)
-
-
-def kindred(form: Form, *, isotropic: bool, exponents: bool, turning: bool) -> Kindred:
-    """The part of a form that code is compiled for."""
-    paint = form.paint is not None
-    return Kindred(form.diffuse, form.specular, form.fresnel, form.coat, paint, isotropic, exponents, turning)
-
-
-def numbers(form: Form, texels: TexelClass, ranges: Mapping[str, tuple[float, float]]) -> tuple[dict, dict]:
-    """Middles of the parameters with a paint's arrays; and lows and highs of all that may vary, as arrays.
-
-    Returns:
-        Parameters for the peaks; ranges of `BEFORE`, `ERRORS` and of tilt, twist and coat_tilt.
-    """
-    given = {name: ranges.get(name, (1.0, 1.0)) for name in BEFORE}
-    given |= {name: getattr(texels, name) for name in ERRORS}
-    at = {name: jnp.float64(0.5 * sum(given[name])) for name in BEFORE}
-    if form.paint is not None:
-        paint = form.paint
-        arrays = {"paint_diffuse": paint.diffuse, "coefficients": paint.coefficients, "f0s": paint.f0}
-        arrays |= {"spreads": paint.spreads, "colors": paint.colors, "colors_after": paint.colors_after}
-        at |= {name: jnp.asarray(value, jnp.float64) for name, value in arrays.items()}
-    given |= {"tilt": (texels.tilt,) * 2, "twist": (-texels.twist, texels.twist), "coat_tilt": (texels.coat_tilt,) * 2}
-    return at, {name: jnp.asarray(pair, jnp.float64) for name, pair in given.items()}
 
 
 VARYING = (*BEFORE, *ERRORS, "tilt", "twist", "coat_tilt")
@@ -315,15 +179,21 @@ def find_errors(kin: Kindred, at: Numbers, spans: Numbers, grid: Grid, log_peak:
         log_peak: log of the highest f i_z of the cells' middles.
     """
     table = jnp.asarray(log_peak.reshape(len(grid.edges) - 1, grid.azimuths))
-    places = _places(kin, at, spans)
-    best = _ascend(kin, at, spans, table, jnp.asarray(places))
+    tries = _places(kin, at, spans)
     found: dict[Kind, float] = {}
-    kinds: tuple[Kind, Kind] = ("peak_relative", "log_ratio")
-    for kind, values, where in zip(kinds, *(np.asarray(x) for x in best), strict=True):
+    for kind in KINDS:
+        log_ratio = jnp.asarray(kind == "log_ratio")
+
+        def scores_at(places: np.ndarray, log_ratio: jax.Array = log_ratio) -> np.ndarray:
+            return np.asarray(_values(kin, at, spans, table, jnp.asarray(places), log_ratio)[0])
+
+        values = np.asarray(_values(kin, at, spans, table, jnp.asarray(tries), log_ratio)[1])
+        starts = jnp.asarray(_starts(tries, values))
+        values, places = (np.asarray(x) for x in _ascend(kin, at, spans, table, starts, log_ratio))
+        places = places[np.argsort(-values)]
         # The best few again, with the peak of exactly their views and texels.
-        few = where[np.argsort(-values)[:6]]
-        results = [_exactly(kin, at, spans, kind, place) for place in few]
-        found[kind] = max(max(results) - ROUNDING, 0.0)
+        few = [*places[:4], *_refined(tries, places, scores_at)[:4]]
+        found[kind] = max(*(_exactly(kin, at, spans, kind, place) for place in few), ROUNDING) - ROUNDING
     return found
 
 
@@ -377,41 +247,80 @@ def _interpolated(table: jax.Array, cosine: jax.Array, azimuth: jax.Array) -> ja
     return (1.0 - weight_2) * at(left % columns) + weight_2 * at((left + 1) % columns)
 
 
+def _objective(
+    kin: Kindred, at: Numbers, spans: Numbers, table: jax.Array, place: jax.Array, log_ratio: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """What the ascent climbs, and the error; both of one of the two kinds."""
+    # The margin leaves room for peaks higher than between the table's.
+    relevant = np.log(RELEVANT) + MARGIN
+    change, log_value, low, cosine, azimuth = _errors_at(kin, at, spans, place)
+    inside = low >= LOWEST
+    cosine = jnp.where(inside, cosine, 1.0)
+    log_height = jnp.minimum(log_value - _interpolated(table, cosine, azimuth), 0.0)
+    size = jnp.where(log_ratio, jnp.abs(change), jnp.abs(jnp.expm1(change)))
+    add = jnp.where(log_ratio, 3.0 * jnp.minimum(log_height - relevant, 0.0), log_height)
+    looks = inside & (~log_ratio | (log_height >= relevant))
+    value = jnp.where(looks, size * jnp.where(log_ratio, 1.0, jnp.exp(log_height)), 0.0)
+    score = jnp.where(inside, jnp.log(size + TINY) + add, 100.0 * jnp.minimum(low - LOWEST, 0.0))
+    return score, value
+
+
+@partial(jax.jit, static_argnums=0)
+def _values(
+    kin: Kindred, at: Numbers, spans: Numbers, table: jax.Array, places: jax.Array, log_ratio: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    return jax.vmap(lambda place: _objective(kin, at, spans, table, place, log_ratio))(places)
+
+
+def _starts(tries: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """`STARTS` of the tries: half of them the best, the others spread over what lies in the domain."""
+    order = np.argsort(-values)
+    half, inside = STARTS // 2, max(int(np.sum(values > 0)), STARTS)
+    return tries[order[np.concatenate([np.arange(half), np.arange(half) * inside // half])]]
+
+
+def _refined(tries: np.ndarray, best: np.ndarray, scores_at: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """The best places, and tries that no ascent came from, moved along one coordinate after another; best first.
+
+    Between the texels of a color table f falls to 0 within a sliver of theta_d, which has no slope that leads to it:
+    it is looked for along lines.
+    """
+    quarter = LINES // 4
+    places = np.concatenate([best[:quarter], tries[: LINES - quarter]])
+
+    def moved(places: np.ndarray, side: int, offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Each place's best along a coordinate, and its score."""
+        choices = np.repeat(places[:, None], len(offsets), axis=1)
+        choices[..., side] += offsets
+        choices[..., 0] = np.maximum(choices[..., 0], 0.0)
+        choices[..., 2] = np.clip(choices[..., 2], 0.0, 1.0)
+        scores = scores_at(choices.reshape(-1, COORDINATES)).reshape(choices.shape[:2])
+        chosen, each = np.argmax(scores, axis=1), np.arange(len(places))
+        return choices[each, chosen], scores[each, chosen]
+
+    places, scores = moved(places, 2, np.concatenate([[0.0], np.linspace(-1.0, 1.0, TRIES // LINES - 1)]))
+    places = places[np.argsort(-scores)[:quarter]]
+    steps = 4.0 ** -np.arange(12.0)
+    for _ in range(ROUNDS):
+        for side in (2, 0, 1, 3, 4, 5):
+            places, scores = moved(places, side, np.concatenate([[0.0], steps, -steps]))
+    return places[np.argsort(-scores)]
+
+
 @partial(jax.jit, static_argnums=0)
 def _ascend(
-    kin: Kindred, at: Numbers, spans: Numbers, table: jax.Array, places: jax.Array
+    kin: Kindred, at: Numbers, spans: Numbers, table: jax.Array, place: jax.Array, log_ratio: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
-    """Adam on the logarithm of the error, in [kind] from the best of the places; values and places [kind, start]."""
-    relevant = np.log(RELEVANT)
+    """Adam on the logarithm of the error: the best values and places of every start."""
 
-    def objective(place: jax.Array, log_ratio: jax.Array) -> tuple[jax.Array, jax.Array]:
-        change, log_value, low, cosine, azimuth = _errors_at(kin, at, spans, place)
-        inside = low >= LOWEST
-        cosine = jnp.where(inside, cosine, 1.0)
-        log_height = jnp.minimum(log_value - _interpolated(table, cosine, azimuth), 0.0)
-        size = jnp.where(log_ratio, jnp.abs(change), jnp.abs(jnp.expm1(change)))
-        add = jnp.where(log_ratio, 3.0 * jnp.minimum(log_height - relevant, 0.0), log_height)
-        looks = inside & (~log_ratio | (log_height >= relevant))
-        value = jnp.where(looks, size * jnp.where(log_ratio, 1.0, jnp.exp(log_height)), 0.0)
-        score = jnp.where(inside, jnp.log(size + TINY) + add, 100.0 * jnp.minimum(low - LOWEST, 0.0))
-        return score, value
+    def objective(place: jax.Array) -> tuple[jax.Array, jax.Array]:
+        return _objective(kin, at, spans, table, place, log_ratio)
 
-    tried = jax.vmap(lambda p, k: objective(p, k)[1], in_axes=(0, None))
     slope = jax.vmap(jax.grad(objective, has_aux=True))
-    starts = []
-    for log_ratio in (False, True):
-        values = tried(places, jnp.asarray(log_ratio))
-        order = jnp.argsort(-values)
-        # Half of the starts are the best, the others spread over what lies in the domain.
-        inside = jnp.sum(values > 0)
-        others = (jnp.arange(STARTS // 2) * jnp.maximum(inside, STARTS)) // (STARTS // 2)
-        starts.append(places[order[jnp.concatenate([jnp.arange(STARTS // 2), others])]])
-    place = jnp.concatenate(starts)
-    kinds = jnp.repeat(jnp.asarray([False, True]), STARTS)
 
     def step(carry: tuple, rate: jax.Array) -> tuple[tuple, None]:
         place, first, second, best, best_place = carry
-        gradient, value = slope(place, kinds)
+        gradient, value = slope(place)
         gradient = jnp.nan_to_num(gradient, posinf=0.0, neginf=0.0)
         better = value > best
         best, best_place = jnp.where(better, value, best), jnp.where(better[:, None], place, best_place)
@@ -425,4 +334,4 @@ def _ascend(
     zero = jnp.zeros_like(place)
     rates = 0.1 * (2e-3 ** (jnp.arange(STEPS, dtype=place.dtype) / STEPS))
     (_, _, _, best, best_place), _ = jax.lax.scan(step, (place, zero, zero, jnp.zeros(len(place)), place), rates)
-    return best.reshape(2, STARTS), best_place.reshape(2, STARTS, -1)
+    return best, best_place

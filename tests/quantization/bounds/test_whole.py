@@ -13,7 +13,7 @@ import pytest
 from axffit import brdf
 from axffit.axf import read
 from axffit.axf.maps import grid_shape, texel_centers
-from axffit.quantization.bounds import Form, NoBound, Paint, TexelClass, bracket, classes_of, form_of, hull
+from axffit.quantization.bounds import Form, NoBound, Paint, TexelClass, bracket, classes_of, form_of, hull, kindred
 from axffit.quantization.bounds import whole_search as search
 from axffit.quantization.bounds.whole import WholeErrors
 from axffit.quantization.directions import LOWEST
@@ -41,6 +41,8 @@ PAINT = Paint(
     np.linspace(0.2, 1.5, 48).reshape(8, 6),
     np.linspace(0.2, 1.5, 48).reshape(8, 6) * 1.0003,
 )
+STEEP = np.where(np.indices((8, 6)).sum(axis=0) % 3 == 0, 0.0, PAINT.colors)
+STEEP[2, 3] = 1e-6
 COATED = replace(TWO, coat_tilt=2e-5, gap=(0.08, 0.08), gap_azimuth=(0.7, 0.7), ior_change=(-3e-5, 1e-5))
 WHOLE = {
     "lambert and ward": (
@@ -57,6 +59,10 @@ WHOLE = {
         replace(COATED, diffuse=(0.1, 0.1), roughness_y=None),
     ),
     "paint": (Form(coat="refracting", paint=PAINT), TexelClass(0.0, coat_tilt=2e-5, gap=(0.005, 0.005))),
+    "paint, black in part": (
+        Form(coat="refracting", paint=replace(PAINT, colors=STEEP, colors_after=STEEP * 1.0004 + 2e-8)),
+        TexelClass(1e-5, coat_tilt=3e-5, gap=(0.01, 0.01), ior_change=(-1e-5, 2e-5)),
+    ),
 }
 
 
@@ -68,8 +74,8 @@ def prepared(form, texels):
     """The errors with proved peaks, and what the search needs."""
     errors = WholeErrors(form, texels)
     model = errors.model
-    kin = search.kindred(form, isotropic=model.isotropic, exponents=model.exponents, turning=errors.turning)
-    at, spans = search.numbers(form, texels, errors.ranges)
+    kin = kindred.kindred(form, isotropic=model.isotropic, exponents=model.exponents, turning=errors.turning)
+    at, spans = kindred.numbers(form, texels, errors.ranges)
     views = [jnp.asarray(x) for x in errors.grid.middles()]
     p, s, _ = search.find_peaks(kin, at, views[0], views[1], search.COARSE)
     errors.prove_peaks((p, s))
