@@ -99,6 +99,7 @@ def run(
     ior: float = 1.5,
     polar_limit: float = POLAR_LIMIT_DEGREES,
     negatives: "Negatives" = "clip",
+    passive: bool = False,
     profiles: tuple[str, ...] = (),
     bootstrap: int = 0,
     progress: ProgressCallback | None = None,
@@ -115,6 +116,7 @@ def run(
         ior: index of refraction of the coat.
         polar_limit: samples with a larger polar angle (degrees) of either direction are left out.
         negatives: ``"clip"``: they count as 0; ``"leave out"``: samples with one are left out.
+        passive: no albedo above 1; for models that are no car paint and whose coat, if any, does not refract.
         profiles: names of parameters to profile, or ``("all",)``.
         bootstrap: fits of a bootstrap; 0 for none.
         progress: called with what is being done and how much of it is (0 to 1).
@@ -135,6 +137,7 @@ def run(
         residual=chosen,
         polar_limit=limit,
         negatives=negatives,
+        passive=passive,
         study=study,
         progress=progress,
     )
@@ -251,6 +254,10 @@ def command(
     leave_out_negatives: Annotated[
         bool, typer.Option("--leave-out-negatives", help="Leave out negative samples; otherwise they count as 0.")
     ] = False,
+    passive: Annotated[
+        bool,
+        typer.Option("--passive", help="Let no albedo exceed 1; for all models but a car paint, without a coat."),
+    ] = False,
     polar_limit: Annotated[
         float,
         typer.Option(metavar="DEGREES", help="Leave out samples with a larger polar angle of light or viewer."),
@@ -288,6 +295,7 @@ def command(
             ior=ior,
             polar_limit=polar_limit,
             negatives="leave out" if leave_out_negatives else "clip",
+            passive=passive,
             profiles=tuple(profile or ()),
             bootstrap=bootstrap,
             progress=progress,
@@ -313,7 +321,7 @@ def command(
             }
             options["polar-limit"] = polar_limit
             options["bootstrap"] = bootstrap or None
-            flags = {"--select": select, "--leave-out-negatives": leave_out_negatives}
+            flags = {"--select": select, "--leave-out-negatives": leave_out_negatives, "--passive": passive}
             words = [_options.command_line("fit", [samples_file], options), *(flag for flag in flags if flags[flag])]
             words += [shlex.join(["--profile", name]) for name in profile or ()]
             made_by = report.Run(" ".join(words))

@@ -57,6 +57,19 @@ def test_samples_that_allow_no_fit_end_in_1_with_advice_and_without_a_page(tmp_p
     assert "not written: page.html, fitted.axf" in shown.err
 
 
+def test_a_passive_fit_reflects_no_more_than_arrives(tmp_path, capsys):
+    path, result = tmp_path / "bright.mbsdf", tmp_path / "fit.json"
+    mbsdf.write_table(path, np.full((4, 4, 8, 3), 1.5 / np.pi))
+    options = ["--model", "lambert", "--residual", "cosine", "--json", str(result)]
+    assert dispatch(["fit", str(path), *options]) == 0
+    assert json.loads(result.read_text())["parameters"][0]["value"] == pytest.approx(1.5)
+    assert dispatch(["fit", str(path), *options, "--passive"]) == 0
+    # The albedo is an integral over a fixed grid, good to 1 %.
+    assert 0.99 <= json.loads(result.read_text())["parameters"][0]["value"] <= 1.0
+    assert dispatch(["fit", str(path), "--model", "carpaint", "--passive"]) == 2
+    assert "choose another model" in capsys.readouterr().err
+
+
 def test_models_are_compared_first_and_the_chosen_one_is_fitted(tmp_path, capsys, monkeypatch):
     few = (fitting.LambertModel(), fitting.LambertModel(coat=fitting.Coat(1.4)))
     monkeypatch.setattr("axffit.fitting.selection.default_candidates", lambda: few)
