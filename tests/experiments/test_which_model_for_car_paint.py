@@ -1,5 +1,6 @@
-"""The committed report on car paints, and one paint computed again."""
+"""The committed report on car paints, and two paints computed again."""
 
+import numpy as np
 import pytest
 
 from experiments import common
@@ -8,14 +9,26 @@ NAME = "06_which_model_for_car_paint"
 
 
 @pytest.mark.slow
-def test_a_paint_comes_out_again(reference_data):
+@pytest.mark.parametrize("name", ["cc_ibiza_sunset", "color-changing-paint2"])
+def test_a_paint_comes_out_again(reference_data, name):
     experiment = common.load(NAME)
     data = reference_data("nbrdf_measured").parent
-    again = experiment.subset(data, "cc_ibiza_sunset", "log")
-    reported = common.committed(NAME)["paints"]["cc_ibiza_sunset"]["log"]["car paint"]
+    again = experiment.subset(data, name, "log")
+    reported = common.committed(NAME)["paints"][name]["log"]["car paint"]
     for label in ("full", "one color", "single ggx"):
         for key, value in again[label].items():
             assert value == pytest.approx(reported[label][key], rel=1e-3), (label, key)
+
+
+def test_either_set_of_azimuths_holds_its_directions_both_ways_round(reference_data):
+    experiment = common.load(NAME)
+    data = reference_data("nbrdf_measured").parent
+    fitted, judged = experiment.samples_of(data, "cc_ibiza_sunset")
+    for samples in (fitted, judged):
+        polar = np.round(np.stack([samples.wi[:, 2], samples.wo[:, 2]], axis=1), 9)
+        assert {*map(tuple, polar)} == {*map(tuple, polar[:, ::-1])}
+    sets = [{*map(tuple, np.round(np.hstack([one.wi, one.wo]), 9))} for one in (fitted, judged)]
+    assert not sets[0] & sets[1]
 
 
 def test_each_paint_is_reported_in_both_metrics():
