@@ -96,6 +96,7 @@ def materials() -> str:
             form, texels = form_of(material, after, CHANNEL), classes_of(material, after, uv, CHANNEL)[0]
             base = "car paint" if form.specular is None else f"{form.specular.__name__}, {form.fresnel.__name__}"
             axes = "" if texels.roughness_y is None else ", anisotropic"
+            bracket(form, texels)  # waits for JAX to compile
             line = row(f"{material.id} | {base}{axes} | {form.coat or 'none'}", form, texels)
             print(line, end="", flush=True)
             lines += line

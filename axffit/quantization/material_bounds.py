@@ -21,7 +21,7 @@ from .statistics import finite_or_none
 from .tiles import of_packed_texels, of_texels
 from .tolerances import KINDS, Kind
 
-MOST_BRACKETS = 15
+MOST_BRACKETS = 7
 """Brackets of a material, shared among its forms: one for an SVBRDF, three (color channels) for a car paint."""
 
 WORTH = 0.95
@@ -143,7 +143,9 @@ def _bounded(form: Form, table: ClassTable, channel: int | None, most: int) -> l
     def bounded(chosen: np.ndarray) -> BoundedClass | NoBound:
         try:
             texels = table.merged(chosen)
-            return BoundedClass(texels, int(table.items[chosen].sum()), channel, bracket(form, texels))
+            # A loose bound of many classes is better lowered by taking them apart.
+            brackets = bracket(form, texels, thorough=len(chosen) == 1)
+            return BoundedClass(texels, int(table.items[chosen].sum()), channel, brackets)
         except NoBound as error:
             return error
 

@@ -19,7 +19,12 @@ TOLERANCE = """
 limit = 1.0
 [textures.diffusecolor.delta_e_2000]
 limit = 10.0
+[brdf.peak_relative]
+limit = 1.0
+[brdf.log_ratio]
+limit = 10.0
 """
+"""Of colors alone: what 8 bits do to dark ones shows in the bounds of the reflectance, too."""
 
 
 @pytest.fixture

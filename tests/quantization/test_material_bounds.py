@@ -34,7 +34,7 @@ def test_found_is_below_the_bound_and_not_far(model, variant):
 def fake(widths):
     """A bracket that grows with the width of the roughness, and counts how often it was asked."""
 
-    def bracket(form, texels):
+    def bracket(form, texels, *, thorough):
         widths.append(texels.roughness[1] / texels.roughness[0])
         return {kind: Bracket(1e-3, 1e-3 * widths[-1], 1) for kind in KINDS}
 
@@ -53,7 +53,7 @@ def test_groups_are_split_where_that_lowers_the_bound(monkeypatch):
 
 
 def test_what_is_not_covered_is_named(monkeypatch):
-    def refused(form, texels):
+    def refused(form, texels, *, thorough):
         raise NoBound("coats of pumpkin")
 
     monkeypatch.setattr(module, "bracket", refused)

@@ -97,7 +97,7 @@ class ClassErrors:
         return np.where(np.isneginf(log_height), 0.0, np.maximum(above, below))
 
 
-def bound(errors: Callable[[Ends], np.ndarray], domain: Ends, target: float, loose: float) -> Bounds:
+def bound(errors: Callable[[Ends], np.ndarray], domain: Ends, target: float, loose: float = np.inf) -> Bounds:
     """Upper bound over the whole domain of a class.
 
     Args:
