@@ -184,7 +184,7 @@ def test_nan_in_the_index_of_refraction_is_counted_and_not_refused(tmp_path):
     path = tmp_path / "holes.axf"
     textures = {**material.textures, "clearcoatior": replace(ior, levels=(holes,))}
     axf.write(path, replace(material, textures=textures))
-    assert dispatch(["verify", str(path), "--json", str(tmp_path / "verdict.json")]) in (0, 1)
+    assert dispatch(["verify", str(path), "--no-bounds", "--json", str(tmp_path / "verdict.json")]) in (0, 1)
     (entry,) = json.loads((tmp_path / "verdict.json").read_text())["materials"]
     replaced = {row["axf_name"]: row["replaced"] for row in entry["verdict"]["textures"]}
     assert replaced["clearcoatior"] == np.isnan(holes).sum()
