@@ -116,7 +116,8 @@ def _closed(form: Form, lobe: AbstractLobe, texels: TexelClass) -> dict[search.K
 
 
 def _whole(form: Form, texels: TexelClass, loose: float) -> dict[search.Kind, Bracket]:
-    errors = WholeErrors(form, texels)
+    with np.errstate(all="ignore"):
+        errors = WholeErrors(form, texels)
     model = errors.model
     kin = kindred.kindred(form, isotropic=model.isotropic, exponents=model.exponents, turning=errors.turning)
     with jax.enable_x64(new_val=True):
