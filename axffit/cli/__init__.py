@@ -24,11 +24,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
     from axffit.cli._environment import prepare_environment
 
     prepare_environment()
-    sys.exit(dispatch(sys.argv[1:] if arguments is None else arguments))
+    try:
+        code = dispatch(sys.argv[1:] if arguments is None else arguments)
+    except Exception as fault:
+        traceback.print_exc()
+        print("axffit: this is a fault of axffit, not of your input: please report the lines above", file=sys.stderr)
+        raise SystemExit(FAULT_OF_AXFFIT) from fault
+    sys.exit(code)
 
 
 def dispatch(arguments: Sequence[str]) -> int:
-    """Runs one command and returns its exit code; bad input becomes one line on stderr.
+    """Runs one command and returns its exit code; bad input becomes one line on stderr, a fault of axffit is raised.
 
     Args:
         arguments: what follows the program's name.
@@ -44,10 +50,6 @@ def dispatch(arguments: Sequence[str]) -> int:
     except OSError as error:
         named = f"{error.filename}: {error.strerror}" if error.filename else str(error)
         return _refuse(f"{named} (check the path and its permissions)")
-    except Exception:
-        traceback.print_exc()
-        print("axffit: this is a fault of axffit, not of your input: please report the lines above", file=sys.stderr)
-        return FAULT_OF_AXFFIT
     return 0
 
 

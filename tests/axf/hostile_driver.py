@@ -18,6 +18,7 @@ import sys
 import tempfile
 import time
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -90,11 +91,23 @@ def main(first: int, count: int, out: Path) -> None:
     out.write_text(json.dumps(content, indent=1))
 
 
-def _in_child(first: int, start: int, end: int, outcomes: mmap.mmap, valid: mmap.mmap, folder: Path) -> int:
+def _fork(work: Callable[[], None]) -> int:
+    """The process id of a child that does the work; it ends with 70, and a traceback, where that raises."""
     child = os.fork()
     if child:
-        return os.waitpid(child, 0)[1]
+        return child
     try:
+        work()
+        os._exit(0)
+    except BaseException:
+        traceback.print_exc()
+        os._exit(70)
+
+
+def _in_child(first: int, start: int, end: int, outcomes: mmap.mmap, valid: mmap.mmap, folder: Path) -> int:
+    """Status of a child that reads inputs in turn."""
+
+    def work() -> None:
         faulthandler.enable()
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         path = folder / "hostile.axf"
@@ -109,10 +122,8 @@ def _in_child(first: int, start: int, end: int, outcomes: mmap.mmap, valid: mmap
             signal.setitimer(signal.ITIMER_REAL, 0)
             _limit(None)
             outcomes[k : k + 1] = outcome
-        os._exit(0)
-    except BaseException:
-        traceback.print_exc()
-        os._exit(70)
+
+    return os.waitpid(_fork(work), 0)[1]
 
 
 def _touched(number: int, folder: Path) -> int:
@@ -122,8 +133,8 @@ def _touched(number: int, folder: Path) -> int:
     that is never touched and given back at once.
     """
     receive, send = os.pipe()
-    child = os.fork()
-    if child == 0:
+
+    def work() -> None:
         path = folder / "hostile.axf"
         path.write_bytes(hostile.make(number, folder))
         before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -131,7 +142,8 @@ def _touched(number: int, folder: Path) -> int:
         _read(path, number)
         grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
         os.write(send, str(grown * 1024).encode())
-        os._exit(0)
+
+    child = _fork(work)
     os.close(send)
     os.waitpid(child, 0)
     answer = os.read(receive, 32)
@@ -158,10 +170,6 @@ def _read(path: Path, number: int) -> bytes:
                 return _MEMORY
             cause = cause.__cause__
         return _REFUSED
-    except Exception:
-        print(f"{number}:", file=sys.stderr)
-        traceback.print_exc()
-        return _OTHER
     return _written(content, path, number)
 
 
@@ -172,14 +180,9 @@ def _written(content: axf.AxfFile, path: Path, number: int) -> bytes:
     except InputError as error:
         print(f"{number}: {error}", file=sys.stderr)
         return _UNWRITABLE
-    try:
-        found = axf.read(again)
-        pairs = zip(found.materials, content.materials, strict=True)
-        same = all(a.identical(b) for a, b in pairs) and same_extras(found.extras, content.extras)
-    except Exception:
-        print(f"{number}: written:", file=sys.stderr)
-        traceback.print_exc()
-        return _OTHER
+    found = axf.read(again)
+    pairs = zip(found.materials, content.materials, strict=True)
+    same = all(a.identical(b) for a, b in pairs) and same_extras(found.extras, content.extras)
     return _READ if same else _LOST
 
 

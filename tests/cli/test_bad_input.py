@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from axffit import axf
-from axffit.cli import dispatch
+from axffit.cli import dispatch, main
 from tests.conftest import PROJECT
 
 SVBRDF = PROJECT / "data_synthetic" / "brushed_carbon" / "brushed_carbon.axf"
@@ -197,6 +197,9 @@ def test_a_fault_of_axffit_is_told_apart_from_bad_input(monkeypatch, capfd):
         raise ZeroDivisionError("oh")
 
     monkeypatch.setattr(verify, "run", breaks)
-    assert dispatch(["verify", str(PAINT)]) == 70
+    with pytest.raises(SystemExit) as end:
+        main(["verify", str(PAINT)])
+    assert end.value.code == 70
+    assert isinstance(end.value.__cause__, ZeroDivisionError)
     assert "Traceback" in (shown := capfd.readouterr().err)
     assert "fault of axffit" in shown
