@@ -110,7 +110,8 @@ def _closed(form: Form, lobe: AbstractLobe, texels: TexelClass) -> dict[search.K
     result: dict[search.Kind, Bracket] = {}
     functions: dict[search.Kind, Callable] = {"peak_relative": errors.peak_relative, "log_ratio": errors.log_ratio}
     for kind, function in functions.items():
-        proved = bound(function, whole_domain(texels), CLOSE * found[kind], CLOSE * found[kind])
+        target = CLOSE * found[kind]
+        proved = bound(function, whole_domain(texels), target, loose=target)
         result[kind] = Bracket(found[kind], proved.value, proved.boxes)
     return result
 

@@ -50,8 +50,7 @@ class Kindred:
                 get["colors"] = at["colors_after"]
             base_normal = spherical_to_direction(errors["tilt"], errors["tilt_azimuth"])
             twist = errors["twist"]
-            first = spherical_to_direction(at["gap"] + 0.5 * np.pi, at["gap_azimuth"])
-            second = jnp.cross(coat_normal, first)
+            first, second = self.axes(at)
             c, s = jnp.cos(errors["coat_azimuth"]), jnp.sin(errors["coat_azimuth"])
             away = jnp.sin(errors["coat_tilt"]) * (c * first + s * second)
             coat_normal = jnp.cos(errors["coat_tilt"]) * coat_normal + away
@@ -96,6 +95,11 @@ class Kindred:
         if self.coat is None:
             return jnp.asarray([0.0, 0.0, 1.0])
         return spherical_to_direction(at["gap"], at["gap_azimuth"])
+
+    def axes(self, at: Numbers) -> tuple[jax.Array, jax.Array]:
+        """Two axes across the coat's normal; views' azimuths count from the first."""
+        across = spherical_to_direction(jnp.asarray(0.5 * np.pi), at["gap_azimuth"] + 0.5 * np.pi)
+        return spherical_to_direction(at["gap"] + 0.5 * np.pi, at["gap_azimuth"]), across
 
     def inwards(self, at: Numbers, w: jax.Array) -> jax.Array:
         """A direction below the coat."""

@@ -183,7 +183,7 @@ class WholeErrors:
         colors, added, all_colors = ZERO, np.zeros(1), ZERO
         if self.table is not None:
             colors, absolute = self.table.change(moved, *self._travels(motion))
-            added = _added(absolute, color, plain, changes)
+            added = _added(absolute, color, colors, plain, changes)
             all_colors = colors + _by_absolute(absolute, color, colors, total)
         return Evaluated(total, heights, logs, changes, latest, colors, added, all_colors)
 
@@ -256,8 +256,9 @@ class WholeErrors:
 
     def log_ratio(self, ends: np.ndarray) -> np.ndarray:
         """(c): |log f' - log f| where f i_z may reach 1e-3 of the peak, else 0."""
-        log_height, _, logs, changes, _, _, _, color = self.evaluate(ends)
-        changes = [color + change for change in changes]
+        known = self.evaluate(ends)
+        log_height, logs = known.log_height, known.logs
+        changes = [known.all_colors + change for change in known.changes]
         if len(changes) == 1:
             size = iv.magnitude(changes[0])
         else:
@@ -269,32 +270,40 @@ class WholeErrors:
 
     def peak_relative(self, ends: np.ndarray) -> np.ndarray:
         """(b): |f' - f| i_z / peak, upwards and downwards; at most the height times the largest relative change."""
-        log_height, heights, _, changes, latest, color, added, _ = self.evaluate(ends)
-        rises = [iv.up(np.maximum(c.hi, 0.0) + color.hi) for c in changes]
-        falls = [iv.down(np.minimum(c.lo, 0.0) + color.lo) for c in changes]
+        known = self.evaluate(ends)
+        log_height = known.log_height
+        rises = [iv.up(np.maximum(c.hi, 0.0) + known.colors.hi) for c in known.changes]
+        falls = [iv.down(np.minimum(c.lo, 0.0) + known.colors.lo) for c in known.changes]
         result = np.zeros_like(log_height)
         for limits, pick in ((rises, np.maximum), (falls, np.minimum)):
             cap = _product(log_height, pick.reduce(np.stack(np.broadcast_arrays(*limits))))
-            each = [_product(h, end) for h, end in zip(heights, limits, strict=True)]
+            each = [_product(h, end) for h, end in zip(known.heights, limits, strict=True)]
             if pick is np.maximum:
-                each = [np.fmin(one, iv.exp(Interval(late, late)).hi) for one, late in zip(each, latest, strict=True)]
+                each = [
+                    np.fmin(one, iv.exp(Interval(late, late)).hi) for one, late in zip(each, known.latest, strict=True)
+                ]
             total = np.sum(np.stack(np.broadcast_arrays(*each)), axis=0)
             result = np.maximum(result, np.minimum(iv.up(total * (1 + 1e-14)), cap))
-        result = iv.up(result + added)
+        result = iv.up(result + known.added)
         result = np.where(np.isnan(result), np.inf, result)
         return np.where(np.isneginf(log_height), 0.0, result)
 
 
-def _added(absolute: np.ndarray, color: Interval, plain: list[np.ndarray], changes: list[Interval]) -> np.ndarray:
-    """What chi' = F chi + e adds to (b) by |e| <= ``absolute``: |e| sum_j e^(d_j) (f_j / chi) i_z / peak.
+def _added(
+    absolute: np.ndarray, color: Interval, relative: Interval, plain: list[np.ndarray], changes: list[Interval]
+) -> np.ndarray:
+    """What chi' = F (chi + e) adds to (b) by |e| <= ``absolute``: F |e| sum_j e^(d_j) (f_j / chi) i_z / peak.
 
-    ``plain`` are logs of upper bounds of (f_j / chi) i_z / peak; their sum is at most 1 / chi.
+    F, within ``relative``, counts where it is above 1: e holds the change of chi by moved angles, and small texels'
+    own, which F does not multiply. ``plain`` are logs of upper bounds of (f_j / chi) i_z / peak; their sum is at most
+    1 / chi.
     """
     parts = [iv.exp(Interval(log, log) + Interval(c.hi, c.hi)).hi for log, c in zip(plain, changes, strict=True)]
     total = np.sum(np.stack(np.broadcast_arrays(*parts)), axis=0) * (1 + 1e-14)
     most = np.maximum.reduce(np.broadcast_arrays(*(c.hi for c in changes)))
     cap = iv.exp(Interval(most, most) - Interval(color.lo, color.lo)).hi
-    return np.where(absolute > 0, iv.up(absolute * np.fmin(total, cap)), 0.0)
+    enlarged = iv.up(absolute * iv.exp(Interval(relative.hi, relative.hi)).hi)
+    return np.where(absolute > 0, iv.up(enlarged * np.fmin(total, cap)), 0.0)
 
 
 def _by_absolute(absolute: np.ndarray, color: Interval, relative: Interval, log_height: np.ndarray) -> Interval:

@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ...frames import dot, half_difference_to_directions, reflect, spherical_to_direction
+from ...frames import dot, half_difference_to_directions, reflect
 from ...numerics import normalize
 from ..definitions import RELEVANT
 from ..directions import LOWEST
@@ -96,8 +96,7 @@ def _view(kin: Kindred, before: Numbers, wo: jax.Array) -> tuple[jax.Array, jax.
     """Cosine and azimuth of a view about the outermost normal."""
     if kin.coat is None:
         return wo[2], jnp.arctan2(wo[1], wo[0] + 1e-60)
-    first = spherical_to_direction(before["gap"] + 0.5 * np.pi, before["gap_azimuth"])
-    second = jnp.stack([-jnp.sin(before["gap_azimuth"]), jnp.cos(before["gap_azimuth"]), jnp.zeros(())])
+    first, second = kin.axes(before)
     return dot(wo, kin.normal(before)), jnp.arctan2(dot(wo, second), dot(wo, first) + 1e-60)
 
 
@@ -123,8 +122,7 @@ def _find_peaks(
     steps = [m.reshape(-1) for m in jnp.meshgrid(line, line)]
     spacing = (1.0 / (rings - 1), 2 * np.pi / spokes)
     model = kin.model(at)
-    first = spherical_to_direction(at["gap"] + 0.5 * np.pi, at["gap_azimuth"])
-    second = jnp.stack([-jnp.sin(at["gap_azimuth"]), jnp.cos(at["gap_azimuth"]), jnp.zeros(())])
+    first, second = kin.axes(at)
     flat = kin.coat is None
     if kin.turning:
         azimuth = jnp.zeros_like(azimuth)
