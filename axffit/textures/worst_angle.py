@@ -1,7 +1,7 @@
 """The largest angle a unit-vector encoding errs by, searched for: what a proven bound is held against.
 
 Within the vectors of one code the angle to the decoded vector is largest at the corners: where two stored components
-lie on rounding boundaries. For components of 10 bits or fewer all corners are tried, on all their sides; for wider
+lie on rounding boundaries. For components of 8 bits or fewer all corners are tried, on all their sides; for wider
 ones corners next to drawn vectors, and then those around the worst ones found.
 """
 
@@ -13,9 +13,9 @@ import numpy as np
 from .unit_vectors import Components, RebuiltZ, UnitVectorEncoding
 from .worst_case import straddles
 
-_DRAWN = 20_000
-_BEST = 200
-_CLIMBS = 14
+_DRAWN = 50_000
+_BEST = 400
+_CLIMBS = 30
 
 
 def angles_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
