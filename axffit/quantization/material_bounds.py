@@ -1,8 +1,8 @@
-"""An upper bound of the BRDF errors of all texels of a material, from brackets of its merged classes.
+"""An upper bound of the BRDF errors of all texels of a material, from bounds of its merged classes.
 
 A few merged classes hold all classes of the table (`classes`), and the largest of their bounds holds for every texel.
-Merging makes boxes wide and bounds loose; so the group with the largest bound is taken apart, and the parts are
-bracketed anew, as long as that lowers the bound and fewer than `MOST_BRACKETS` were made. The number is fixed, not the
+Merging makes boxes wide and bounds loose; so the group with the largest bound is taken apart, and the parts are bounded
+anew, until the bound is near what was found, or no lower, or `MOST_GROUPS` were bounded. The number is fixed, not the
 time: the same material gets the same bound everywhere.
 """
 
@@ -14,15 +14,18 @@ import numpy as np
 
 from ..axf import AxfMaterial, MaterialKind
 from ..targets import PackedMaterial, target_named
-from .bounds import Bracket, Form, NoBound, TexelClass, bracket, form_of
+from .bounds import Bounds, Form, NoBound, TexelClass, form_of, upper_bounds
 from .brdf_error import without_negative_colors
 from .classes import ClassTable, class_table
 from .statistics import finite_or_none
 from .tiles import of_packed_texels, of_texels
 from .tolerances import KINDS, Kind
 
-MOST_BRACKETS = 7
-"""Brackets of a material, shared among its forms: one for an SVBRDF, three (color channels) for a car paint."""
+MOST_GROUPS = 7
+"""Groups that are bounded, shared among a material's forms: one for an SVBRDF, three (channels) for a car paint."""
+
+NEAR = 2.0
+"""Bounds up to this times what was found are not lowered by taking groups apart."""
 
 WORTH = 0.95
 """Parts are worth more splitting where they lower the group's bound at least to this part of it."""
@@ -30,31 +33,30 @@ WORTH = 0.95
 
 @dataclass(frozen=True, eq=False)
 class BoundedClass:
-    """A group of texel classes with its brackets.
+    """A group of texel classes with its bounds.
 
     Attributes:
         texels: ranges of its parameters and errors.
         items: how many texels of the material it holds, a texel's channels counted apart where they differ.
         channel: color channel of a car paint; None where all three share the class.
-        brackets: [found, bound] by definition.
+        bounds: by definition.
     """
 
     texels: TexelClass
     items: int
     channel: int | None
-    brackets: Mapping[Kind, Bracket]
+    bounds: Mapping[Kind, Bounds]
 
     def to_json(self) -> dict[str, Any]:
-        """Ranges and brackets; infinite numbers are null."""
+        """Ranges and bounds; infinite numbers are null."""
         ranges = {
             name: [finite_or_none(x) for x in value] if isinstance(value, tuple) else value
             for name, value in asdict(self.texels).items()
         }
-        brackets = {
-            kind: {"found": finite_or_none(each.found), "bound": finite_or_none(each.bound), "boxes": each.boxes}
-            for kind, each in self.brackets.items()
+        bounds = {
+            kind: {"bound": finite_or_none(each.value), "boxes": each.boxes} for kind, each in self.bounds.items()
         }
-        return {"items": self.items, "channel": self.channel, "ranges": ranges, **brackets}
+        return {"items": self.items, "channel": self.channel, "ranges": ranges, **bounds}
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +75,7 @@ class MaterialBounds:
 
     def bound(self, kind: Kind) -> float | None:
         """The upper bound of one definition over all texels, or None."""
-        return max((each.brackets[kind].bound for each in self.classes), default=None)
+        return max((each.bounds[kind].value for each in self.classes), default=None)
 
     def to_json(self) -> dict[str, Any]:
         """As a JSON object."""
@@ -81,13 +83,17 @@ class MaterialBounds:
 
 
 def material_bounds(
-    material: AxfMaterial, packed: PackedMaterial, progress: Callable[[float], None] = lambda fraction: None
+    material: AxfMaterial,
+    packed: PackedMaterial,
+    found: Mapping[Kind, float],
+    progress: Callable[[float], None] = lambda fraction: None,
 ) -> MaterialBounds:
     """Upper bounds over all texels, views and lights.
 
     Args:
         material: the original; its negative colors count as 0.
         packed: the packed material, with the names and values of the target that reads it.
+        found: the largest errors found (`brdf_error`); it saves work to lower no bound further than near them.
         progress: called with the part that is done.
 
     Raises:
@@ -100,8 +106,8 @@ def material_bounds(
         cells = len(table)
         classes: list[BoundedClass] = []
         for number, (channel, form) in enumerate(forms.items()):
-            classes += _bounded(form, table, channel, MOST_BRACKETS // len(forms))
-            progress(0.3 + 0.7 * (number + 1) / len(forms))
+            steps = lambda done, k=number: progress(0.3 + 0.7 * (k + done) / len(forms))  # noqa: E731
+            classes += _bounded(form, table, channel, found, MOST_GROUPS // len(forms), steps)
     except NoBound as error:
         progress(1.0)
         return MaterialBounds((), cells, str(error))
@@ -133,19 +139,25 @@ def _named(form: Form) -> str:
     return " + ".join([*models, *([] if form.coat is None else [f"{form.coat} coat"])])
 
 
-def _bounded(form: Form, table: ClassTable, channel: int | None, most: int) -> list[BoundedClass]:
-    """Groups that hold the whole table, their bounds lowered by splitting, by at most so many brackets.
+def _bounded(
+    form: Form,
+    table: ClassTable,
+    channel: int | None,
+    found: Mapping[Kind, float],
+    most: int,
+    progress: Callable[[float], None],
+) -> list[BoundedClass]:
+    """Groups that hold the whole table, their bounds lowered by splitting; at most so many are bounded.
 
     Raises:
-        NoBound: where even a group that cannot be split any more has no bound, or the brackets are used up.
+        NoBound: where even a group that cannot be split any more has no bound, or no more may be bounded.
     """
 
     def bounded(chosen: np.ndarray) -> BoundedClass | NoBound:
         try:
             texels = table.merged(chosen)
-            # A loose bound of many classes is better lowered by taking them apart.
-            brackets = bracket(form, texels, thorough=len(chosen) == 1)
-            return BoundedClass(texels, int(table.items[chosen].sum()), channel, brackets)
+            bounds = upper_bounds(form, texels, found)
+            return BoundedClass(texels, int(table.items[chosen].sum()), channel, bounds)
         except NoBound as error:
             return error
 
@@ -153,7 +165,8 @@ def _bounded(form: Form, table: ClassTable, channel: int | None, most: int) -> l
     groups = [(everything, bounded(everything))]
     count = 1
     settled: set[int] = set()
-    while count + 2 <= most and (chosen := _worst(groups, settled)) is not None:
+    while count + 2 <= most and (chosen := _worst(groups, settled, found)) is not None:
+        progress(count / most)
         indices, whole = groups[chosen]
         halves = table.halves(indices)
         if halves is None:
@@ -164,24 +177,28 @@ def _bounded(form: Form, table: ClassTable, channel: int | None, most: int) -> l
         groups[chosen : chosen + 1] = parts
         if not _lowered(whole, [part for _, part in parts]):
             settled |= {id(half) for half in halves}
+    progress(1.0)
     refused = next((each for _, each in groups if isinstance(each, NoBound)), None)
     if refused is not None:
         raise refused
     return [each for _, each in groups if isinstance(each, BoundedClass)]
 
 
-def _worst(groups: list[tuple[np.ndarray, BoundedClass | NoBound]], settled: set[int]) -> int | None:
-    """The group to split next: one without a bound, else one that holds the largest bound of either definition."""
+def _worst(
+    groups: list[tuple[np.ndarray, BoundedClass | NoBound]], settled: set[int], found: Mapping[Kind, float]
+) -> int | None:
+    """The group to split next: one without a bound, else the one whose bound is the most times what was found."""
     open_ = [k for k, (indices, _) in enumerate(groups) if id(indices) not in settled]
-    refused = [k for k in open_ if isinstance(groups[k][1], NoBound)]
-    if refused or not open_:
-        return refused[0] if refused else None
-    largest = [max(range(len(groups)), key=lambda k: _bound(groups[k][1], kind)) for kind in KINDS]
-    return next((k for k in largest if k in open_), None)
+
+    def excess(k: int) -> float:
+        return max(_bound(groups[k][1], kind) / max(found[kind], 1e-12) for kind in KINDS)
+
+    worst = max(open_, key=excess, default=None)
+    return None if worst is None or excess(worst) <= NEAR else worst
 
 
 def _bound(each: BoundedClass | NoBound, kind: Kind) -> float:
-    return np.inf if isinstance(each, NoBound) else each.brackets[kind].bound
+    return np.inf if isinstance(each, NoBound) else each.bounds[kind].value
 
 
 def _lowered(whole: BoundedClass | NoBound, parts: list[BoundedClass | NoBound]) -> bool:

@@ -23,7 +23,7 @@ from .measures import has_color_science
 from .samples import sample_texels
 from .slice_lut import lut_json
 from .tiles import centers, of_packed_texels, of_texels
-from .tolerances import Tolerances, default_tolerances, read_tolerances
+from .tolerances import KINDS, Kind, Tolerances, default_tolerances, read_tolerances
 from .verdict import Check, LutVerdict, TextureVerdict, Verdict
 
 Progress = Callable[[str, float], None]
@@ -256,7 +256,8 @@ def _brdf_verdict(
         proved = MaterialBounds((), 0, "left out on request")
         if bounds:
             report("bounding the reflectance", 0.0)
-            proved = material_bounds(material, packed, lambda done: report("bounding the reflectance", done))
+            largest: dict[Kind, float] = {kind: getattr(found, kind).value for kind in KINDS}
+            proved = material_bounds(material, packed, largest, lambda done: report("bounding the reflectance", done))
     except InputError as error:
         return BrdfVerdict(None, None, (), str(error))
     return BrdfVerdict.judged(found.placed(uv), proved, tolerances)

@@ -264,15 +264,15 @@ def _three(error: Mapping[str, Any]) -> list[str]:
 
 
 def _classes(brdf: Mapping[str, Any]) -> list[dict[str, str]]:
-    """The groups of texel classes: how many texels, how rough, and their brackets."""
+    """The groups of texel classes: how many texels, how rough, and their bounds."""
     rows = []
     for each in (brdf["bounds"] or {"classes": []})["classes"]:
-        brackets = [f"{_share(each[kind]['found'])} – {_share(each[kind]['bound'])}" for kind in BRDF_ROWS]
+        bounds = [_share(each[kind]["bound"]) for kind in BRDF_ROWS]
         ranges = [each["ranges"]["roughness"], each["ranges"]["roughness_y"]]
         roughness = " × ".join(f"{number(low, 3)} – {number(high, 3)}" for low, high in filter(None, ranges))
         channel = MISSING if each["channel"] is None else ("red", "green", "blue")[each["channel"]]
         first = roughness if each["channel"] is None else channel
-        rows.append({"texels": count(each["items"]), "which": first, "b": brackets[0], "c": brackets[1]})
+        rows.append({"texels": count(each["items"]), "which": first, "b": bounds[0], "c": bounds[1]})
     return rows
 
 

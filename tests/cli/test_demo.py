@@ -17,7 +17,16 @@ def fast_fit(monkeypatch):
     monkeypatch.setattr(demo, "PAINT", demo.PAINT._replace(model="lambert+coat"))
 
 
-def test_quick_demo_writes_the_page_and_names_it_last(tmp_path, capsys, fast_fit):
+def test_quick_demo_writes_the_page_and_names_it_last(tmp_path, capsys, fast_fit, few_texels):
+    shown_by_a_quick_demo(tmp_path, capsys)
+
+
+@pytest.mark.slow
+def test_quick_demo_with_its_bounds_and_its_own_fit(tmp_path, capsys):
+    shown_by_a_quick_demo(tmp_path, capsys)
+
+
+def shown_by_a_quick_demo(tmp_path, capsys):
     out = tmp_path / "reports" / "latest"
     assert dispatch(["demo", "--quick", "--out", str(out)]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == str(out / "index.html")

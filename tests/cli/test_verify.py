@@ -8,7 +8,7 @@ import jsonschema
 import pytest
 
 from axffit.cli import dispatch, verify
-from axffit.quantization.bounds import Bracket, TexelClass
+from axffit.quantization.bounds import Bounds, TexelClass
 from axffit.quantization.document import schema
 from axffit.quantization.material_bounds import BoundedClass, MaterialBounds
 from axffit.quantization.tolerances import KINDS, Kind
@@ -89,8 +89,8 @@ def test_what_is_found_and_what_is_proved_is_shown(tmp_path, capsys, few_texels,
 
     for line in shown("--no-bounds"):
         assert re.search(r"0\.00\d+, found only: left out on request \(tolerance", line)
-    brackets: dict[Kind, Bracket] = {kind: Bracket(0.001, 0.002, 1) for kind in KINDS}
-    proved = MaterialBounds((BoundedClass(TexelClass(1e-5), 4096, 0, brackets),), 3)
+    bounds: dict[Kind, Bounds] = {kind: Bounds(0.002, 1) for kind in KINDS}
+    proved = MaterialBounds((BoundedClass(TexelClass(1e-5), 4096, 0, bounds),), 3)
     monkeypatch.setattr(sys.modules["axffit.quantization.verify"], "material_bounds", lambda *_: proved)
     page, junit = tmp_path / "page.html", tmp_path / "junit.xml"
     for line in shown("--html", str(page), "--junit", str(junit)):

@@ -19,12 +19,10 @@ TOLERANCE = """
 limit = 1.0
 [textures.diffusecolor.delta_e_2000]
 limit = 10.0
-[brdf.peak_relative]
-limit = 1.0
 [brdf.log_ratio]
-limit = 10.0
+limit = 0.035
 """
-"""Of colors alone: what 8 bits do to dark ones shows in the bounds of the reflectance, too."""
+"""Of 8 bits in the darkest texel log f changes by .0301, which is found; the default limit is .03."""
 
 
 @pytest.fixture

@@ -38,6 +38,7 @@ def test_lobes_are_recovered_within_their_errors_from_noisy_samples():
     assert 0.8 < np.sqrt(np.mean(everything**2)) < 1.25
 
 
+@pytest.mark.slow
 def test_below_a_refracting_coat_f0_is_open_and_the_rest_is_recovered_within_its_errors():
     # As above with 7 parameters; those of s_k and F0_k must not get an interval.
     z = z_scores(ClearCoat(paint(), 1.5), "carpaint+coat")
@@ -124,6 +125,7 @@ def test_under_a_coat_the_table_is_addressed_with_the_directions_below_it():
     np.testing.assert_allclose(angles_below_coat(flat, measurements)[1].max(), np.pi / 2 * 5.5 / 6, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_coated_paint_with_a_table_is_explained_to_noise():
     brdf = ClearCoat(paint(colored_table(6)), 1.5)
     result = fit("carpaint+coat", sampled(brdf, grid=reference_grid(30, 16, 12)), color_table=12)

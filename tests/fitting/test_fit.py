@@ -30,6 +30,9 @@ def single(lobe, coat=None):
     return model, model.assemble(SHAPES, jnp.asarray(np.stack([DIFFUSE, SPECULAR])))
 
 
+SLOW = pytest.mark.slow
+
+
 @pytest.mark.parametrize("lobe", ["ward", "cook-torrance", "ggx"])
 def test_a_single_lobe_is_recovered_exactly_from_its_own_data(lobe):
     model, brdf = single(lobe)
@@ -41,7 +44,7 @@ def test_a_single_lobe_is_recovered_exactly_from_its_own_data(lobe):
         assert parameter.value == pytest.approx(TRUTH[parameter.name], rel=1e-5), parameter.name
 
 
-@pytest.mark.parametrize("lobe", ["ward", "cook-torrance", "ggx"])
+@pytest.mark.parametrize("lobe", [pytest.param("ward", marks=SLOW), pytest.param("cook-torrance", marks=SLOW), "ggx"])
 @pytest.mark.parametrize("residual", ["noise", "log"])
 def test_standard_errors_are_those_of_the_scatter_over_repeated_measurements(lobe, residual):
     # 20 seeds x 11 parameters: |z| > 4.5 in 220 tries happens by chance with probability 0.15 %. The RMS bounds hold

@@ -64,6 +64,7 @@ def test_the_bootstrap_finds_the_standard_errors(single):
         assert (one.low, one.high) == pytest.approx((parameter.value - half, parameter.value + half), abs=0.6 * half)
 
 
+@pytest.mark.slow
 def test_what_the_data_do_not_determine_is_open():
     model = CarPaintModel(lobes=1, coat=Coat())
     shapes, weights = Shapes(jnp.array([0.3])), jnp.array([[0.05], [0.1], [0.1]])

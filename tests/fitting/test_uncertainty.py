@@ -66,6 +66,7 @@ def test_parameters_that_are_not_free_take_no_part(regression):
     assert found.error(gradient) == pytest.approx(np.sqrt(found.matrix[0, 0]))
 
 
+@pytest.mark.slow
 def test_correlations_are_those_of_repeated_fits():
     model, residual, sets = SingleLobeModel(lobe="ggx"), NoiseWeighted(), 300
     shapes, weights = Shapes(jnp.array([0.2]), jnp.array(0.3)), jnp.array([[0.1, 0.2, 0.3], [0.5, 0.4, 0.3]])

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from axffit.errors import InputError
 from axffit.quantization import Tolerance, Tolerances, default_tolerances, verify, verify_packed
-from axffit.quantization.bounds import Bracket, TexelClass
+from axffit.quantization.bounds import Bounds, TexelClass
 from axffit.quantization.brdf_error import BrdfErrors, Found
 from axffit.quantization.brdf_verdict import BrdfVerdict
 from axffit.quantization.material_bounds import BoundedClass, MaterialBounds
@@ -231,8 +231,8 @@ def test_a_wider_tolerance_never_turns_within_into_outside(factor, more, name):
 
 def bounded(monkeypatch, bound):
     """Every material has this bound of both errors."""
-    brackets: dict[Kind, Bracket] = {kind: Bracket(0.5 * bound, bound, 1) for kind in KINDS}
-    group = BoundedClass(TexelClass(1e-5), 768, None, brackets)
+    bounds: dict[Kind, Bounds] = {kind: Bounds(bound, 1) for kind in KINDS}
+    group = BoundedClass(TexelClass(1e-5), 768, None, bounds)
     module = sys.modules["axffit.quantization.verify"]
     monkeypatch.setattr(module, "material_bounds", lambda *_: MaterialBounds((group,), 12))
 
@@ -249,7 +249,7 @@ def test_the_bound_is_judged_where_there_is_one(monkeypatch):
     assert (ratio["judged"], ratio["within"]) == ("bound", True)
     assert 0 < peak["found"] < 0.012
     (group,) = content["brdf"]["bounds"]["classes"]
-    assert (group["items"], group["log_ratio"]["found"], group["log_ratio"]["bound"]) == (768, 0.006, 0.012)
+    assert (group["items"], group["log_ratio"]) == (768, {"bound": 0.012, "boxes": 1})
 
 
 def test_without_a_bound_what_was_found_is_judged_and_the_reason_is_given():
@@ -307,8 +307,8 @@ def test_bad_input_is_named():
 def test_a_bound_that_ended_early_is_shown_and_not_judged(bound, judged):
     place = Found(0.005, (0.5, 0.5), (0.0, 0.0, 1.0), (0.0, 0.0, 1.0))
     errors = BrdfErrors(place, place, place, (), (), texels=1, views=1, lights=1, ascents=1)
-    brackets = dict.fromkeys(("peak_relative", "log_ratio"), Bracket(0.004, bound, 1))
-    bounds = MaterialBounds((BoundedClass(TexelClass(1e-5), 1, None, brackets),), 1)
+    proved: dict[Kind, Bounds] = {kind: Bounds(bound, 1) for kind in KINDS}
+    bounds = MaterialBounds((BoundedClass(TexelClass(1e-5), 1, None, proved),), 1)
     verdict = BrdfVerdict.judged(errors, bounds, default_tolerances())
     for row in verdict.to_json()["rows"]:
         assert row["judged"] == judged

@@ -2,7 +2,8 @@
 
 `bracket` is the entry point: for a `Form` (which models) and a `TexelClass` (a box of parameters and their errors) it
 says, for both definitions of the BRDF error, how large an error `search` could find with the library's own models, and
-which none exceeds, proved by interval arithmetic with outward rounding. `form_of` and `classes_of` make the two from a
+which none exceeds, proved by interval arithmetic with outward rounding. `upper_bounds` says only the latter, for the
+many classes of a material. `form_of` and `classes_of` make the two from a
 material before and after packing; `hull` merges classes. What is not covered raises `NoBound`. The mathematics is in
 ``docs/bounds.md``.
 """
@@ -10,6 +11,8 @@ material before and after packing; `hull` merges classes. What is not covered ra
 from .bracket import LOBES as LOBES
 from .bracket import Bracket as Bracket
 from .bracket import bracket as bracket
+from .bracket import upper_bounds as upper_bounds
+from .branch import Bounds as Bounds
 from .form import Coat as Coat
 from .form import Form as Form
 from .form import NoBound as NoBound

@@ -21,6 +21,9 @@ from .texel_class import TexelClass
 Ends = np.ndarray
 """Boxes as an array (sides, 2, n), see `Boxes.stack`."""
 
+Function = Callable[[Ends], np.ndarray]
+"""Of boxes; an upper bound of an error over each."""
+
 BATCH = 2048
 """Boxes split at once; the worst ones first."""
 
@@ -97,7 +100,14 @@ class ClassErrors:
         return np.where(np.isneginf(log_height), 0.0, np.maximum(above, below))
 
 
-def bound(errors: Callable[[Ends], np.ndarray], domain: Ends, target: float, loose: float = np.inf) -> Bounds:
+def bound(
+    errors: Function,
+    domain: Ends,
+    target: float,
+    loose: float = np.inf,
+    guide: Function | None = None,
+    weights: np.ndarray | float = 1.0,
+) -> Bounds:
     """Upper bound over the whole domain of a class.
 
     Args:
@@ -105,34 +115,38 @@ def bound(errors: Callable[[Ends], np.ndarray], domain: Ends, target: float, loo
         domain: the box of all directions and texels, (sides, 2, 1).
         target: boxes at or below it are not split further.
         loose: a bound above it is worth up to `MOST` boxes instead of `BUDGET`.
+        guide: what boxes are compared by to choose sides; None takes the errors.
+        weights: of the sides, where none helps alone.
     """
     with np.errstate(all="ignore"):
         ends, scale = domain, np.maximum(domain[:, 1] - domain[:, 0], 1e-300)
+        scale = (scale.T / weights).T
         values = errors(ends)
         done, count = 0.0, 1
         while (open_ := values > target).any() and count < (MOST if values.max() > loose else BUDGET):
             done = max(done, float(values[~open_].max(initial=0.0)))
             ends, values = ends[..., open_], values[open_]
             worst = np.argsort(-values)[:BATCH]
-            children = split(errors, ends[..., worst], values[worst], scale)
+            before = values[worst] if guide is None else guide(ends[..., worst])
+            children = split(guide or errors, ends[..., worst], before, scale)
             keep = np.ones(len(values), bool)
             keep[worst] = False
             new = errors(children)
-            count += (len(domain) + 4) * len(worst)
+            count += (len(domain) + 4 + (guide is not None)) * len(worst)
             alive = new > 0
             ends = np.concatenate([ends[..., keep], children[..., alive]], axis=-1)
             values = np.concatenate([values[keep], new[alive]])
     return Bounds(max(done, float(values.max(initial=0.0))), count)
 
 
-def split(errors: Callable[[Ends], np.ndarray], ends: Ends, before: np.ndarray, scale: np.ndarray) -> Ends:
+def split(guide: Function, ends: Ends, before: np.ndarray, scale: np.ndarray) -> Ends:
     """Four parts of each box, (sides, 2, 4 n): halved twice, along the sides whose collapse lowers ``before`` most."""
     sides, _, count = ends.shape
     middle = 0.5 * (ends[:, 0] + ends[:, 1])
     collapsed = np.broadcast_to(ends[..., None, :], (sides, 2, sides, count)).copy()
     for side in range(sides):
         collapsed[side, :, side] = middle[side]
-    values = errors(collapsed.reshape(sides, 2, -1)).reshape(sides, count)
+    values = guide(collapsed.reshape(sides, 2, -1)).reshape(sides, count)
     width = (ends[:, 1] - ends[:, 0]) / scale
     gain = np.where(np.isfinite(values), 1.0 - values / before, 0.0)
     # Where no side alone helps, the relatively widest is halved; it also decides among equals.

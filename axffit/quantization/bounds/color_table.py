@@ -98,6 +98,25 @@ class TableBounds:
         return Interval(self.least(*where), self.most(*where)), iv.up(self.difference(*where) * (1 + 1e-14) + travel)
 
 
+class Brightest:
+    """The brightest channel of a table: what views of a paint are compared with.
+
+    Args:
+        channels: values (H, W, C), >= 0.
+    """
+
+    def __init__(self, channels: np.ndarray):
+        """A table for each channel."""
+        self._tables = [TableBounds(channel, channel) for channel in np.moveaxis(channels, -1, 0)]
+
+    def log(self, t2: Interval, cos_d: Interval) -> Interval:
+        """Log of the largest channel's value."""
+        log = self._tables[0].log(t2, cos_d)
+        for table in self._tables[1:]:
+            log = iv.greater(log, table.log(t2, cos_d))
+        return log
+
+
 def _arctan(x: Interval) -> Interval:
     lo, hi = np.arctan(x.lo), np.arctan(x.hi)
     return Interval(np.maximum(lo * (1 - 2.0**-48), 0.0), hi * (1 + 2.0**-48))

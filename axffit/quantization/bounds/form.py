@@ -26,6 +26,7 @@ class Paint:
         spreads: AxF ``CT_spreads`` (K,).
         colors: the channel of the color table before (H, W), >= 0, texel centers as in `brdf.ColorTable`.
         colors_after: the same after quantization (H, W).
+        channels: all channels of the table before (H, W, C): views are compared with the brightest.
     """
 
     diffuse: float
@@ -34,6 +35,7 @@ class Paint:
     spreads: tuple[float, ...]
     colors: np.ndarray
     colors_after: np.ndarray
+    channels: np.ndarray
 
 
 @dataclass(frozen=True)

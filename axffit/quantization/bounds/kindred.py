@@ -59,10 +59,14 @@ class Kindred:
             return base
         return brdf.ClearCoat(base, get["ior"], coat_normal, refracting=self.coat == "refracting")
 
+    def brightest(self, at: Numbers) -> brdf.AbstractBRDF:
+        """The BRDF that views peak by: before, and of a paint all its channels."""
+        return self.model({**at, "colors": at["channels"]} if self.paint else at)
+
     def _base(self, get: Numbers) -> brdf.AbstractBRDF:
         ones = jnp.ones(3)
         if self.paint:
-            table = brdf.ColorTable(jnp.repeat(get["colors"][..., None], 3, axis=-1))
+            table = brdf.ColorTable(get["colors"])
             return brdf.CarPaint(get["paint_diffuse"], get["coefficients"], get["f0s"], get["spreads"], table)
         terms: list[brdf.AbstractBRDF] = []
         if self.diffuse is brdf.OrenNayar1994:
@@ -125,13 +129,17 @@ class Kindred:
         return jnp.min(jnp.stack([*outside, wi[2], wo[2]]))
 
     def radiance(self, model: brdf.AbstractBRDF, at: Numbers, wi: jax.Array, wo: jax.Array) -> jax.Array:
-        """f i_z of directions outside."""
-        return model.masked_value(wi, wo)[0] * dot(wi, self.normal(at))
+        """f i_z of directions outside, of the brightest channel."""
+        return jnp.max(model.masked_value(wi, wo)) * dot(wi, self.normal(at))
 
 
 def _make(kind: Callable[..., Any], *arguments: Any) -> Any:
     """An instance; the classes share no signature."""
     return kind(*arguments)
+
+
+def _gray(table: np.ndarray) -> np.ndarray:
+    return np.repeat(table[..., None], 3, axis=-1)
 
 
 def kindred(form: Form, *, isotropic: bool, exponents: bool, turning: bool) -> Kindred:
@@ -152,7 +160,8 @@ def numbers(form: Form, texels: TexelClass, ranges: Mapping[str, tuple[float, fl
     if form.paint is not None:
         paint = form.paint
         arrays = {"paint_diffuse": paint.diffuse, "coefficients": paint.coefficients, "f0s": paint.f0}
-        arrays |= {"spreads": paint.spreads, "colors": paint.colors, "colors_after": paint.colors_after}
+        arrays |= {"spreads": paint.spreads, "channels": paint.channels}
+        arrays |= {name: _gray(getattr(paint, name)) for name in ("colors", "colors_after")}
         at |= {name: jnp.asarray(value, jnp.float64) for name, value in arrays.items()}
     given |= {"tilt": (texels.tilt,) * 2, "twist": (-texels.twist, texels.twist), "coat_tilt": (texels.coat_tilt,) * 2}
     return at, {name: jnp.asarray(pair, jnp.float64) for name, pair in given.items()}

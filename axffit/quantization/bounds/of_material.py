@@ -55,8 +55,9 @@ def _paint(before: AxfMaterial, after: AxfMaterial, channel: int) -> Paint:
     if not same or np.any(lobes[1][1][count:] != 0):
         raise NoBound(f"{before.id}: the packed car paint has other lobes than the original")
     coefficients, f0, spreads = (tuple(float(x) for x in values) for values in lobes[0][1:])
-    colors, colors_after = (np.maximum(_colors(paint)[..., channel], 0.0) for paint in (one, other))
-    return Paint(float(lobes[0][0]), coefficients, f0, spreads, colors, colors_after)
+    colors, colors_after = (np.maximum(_colors(paint), 0.0) for paint in (one, other))
+    own = (colors[..., channel], colors_after[..., channel])
+    return Paint(float(lobes[0][0]), coefficients, f0, spreads, *own, colors)
 
 
 def _colors(paint: CarPaint) -> np.ndarray:

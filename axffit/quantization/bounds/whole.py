@@ -10,18 +10,33 @@ the way (mean value theorem): tilting the base's frame by w turns both direction
 w · (i × g_i + o × g_o), g the gradients by the directions.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from ..definitions import RELEVANT
+from ..tolerances import Kind
 from . import intervals as iv
 from .coat import Coat, CoatFrame, Motion, Side
-from .color_table import TableBounds
+from .color_table import Brightest, TableBounds
 from .form import Form, NoBound
 from .geometry import HORIZON
 from .intervals import Interval
-from .pairs import ONE, ZERO, Pairs, Vector, cross, dot, inflated, pairs_of_boxes, plus, times, vector_around
+from .pairs import (
+    ONE,
+    ZERO,
+    Pairs,
+    Vector,
+    cross,
+    dot,
+    inflated,
+    pairs_of_boxes,
+    pairs_of_views,
+    plus,
+    times,
+    vector_around,
+)
 from .parts import Relief
 from .terms import Model, Parameters, Term
 from .texel_class import TexelClass
@@ -34,6 +49,15 @@ _LOG_RELEVANT = float(np.log(RELEVANT)) * (1 + 2.0**-40)
 _ROUND_TURN = np.pi * (1 + 2.0**-50)
 LARGEST_MOTION = 0.05
 """Of a direction below the coat, on its own (radians)."""
+
+MOST_HEIGHT = 50.0
+"""Where boxes are compared, logarithms of heights reach to here."""
+
+HEIGHTS_COUNT = 0.3
+"""There, what (c) counts a height's logarithm: a box is done with, too, when it falls below 1e-3."""
+
+PARAMETERS_COUNT = 0.1
+"""Where no side alone matters, how a parameter's share of its range compares to a direction's."""
 
 
 class Evaluated(NamedTuple):
@@ -74,7 +98,9 @@ class WholeErrors:
         aligned = form.coat is None or texels.gap == (0.0, 0.0)
         self._set_lowest(form, texels, aligned=aligned)
         self.coat = Coat(form.coat, aligned=aligned, lowest=self.lowest_below)
-        self.table = None if form.paint is None else TableBounds(form.paint.colors, form.paint.colors_after)
+        paint = form.paint
+        self.table = None if paint is None else TableBounds(paint.colors, paint.colors_after)
+        self.brightest = None if paint is None else Brightest(paint.channels)
         self.turning = self.model.isotropic and aligned
         self.ranges = {name: getattr(texels, name) for name in PARAMETERS if getattr(texels, name) is not None}
         if aligned or self.model.isotropic:
@@ -85,6 +111,7 @@ class WholeErrors:
         self._set_motions(form, texels)
         self.sides = [name for name, (low, high) in self.ranges.items() if high - low > 1e-9 * max(abs(high), 1e-3)]
         self.grid = Grid(256, 1) if self.turning else Grid(64, 48)
+        self.weights = np.array([1.0] * 4 + [PARAMETERS_COUNT] * len(self.sides))
         self.peaks: Peaks | None = None
 
     def _set_motions(self, form: Form, texels: TexelClass) -> None:
@@ -135,10 +162,10 @@ class WholeErrors:
     def prove_peaks(self, slopes: tuple[np.ndarray, np.ndarray]) -> None:
         """The table of peaks from slopes of half vectors for the middles of all cells of `grid`."""
         with np.errstate(all="ignore"):
-            self.peaks = Peaks(self.model, self.coat, self.given(), self.grid, slopes, self.table)
+            self.peaks = Peaks(self.model, self.coat, self.given(), self.grid, slopes, self.brightest)
 
-    def evaluate(self, ends: np.ndarray) -> Evaluated:
-        """Heights and changes over boxes."""
+    def evaluate(self, ends: np.ndarray, most: float = 0.0) -> Evaluated:
+        """Heights and changes over boxes; logarithms of heights are cut off at ``most``."""
         assert self.peaks is not None
         given = self.given(ends)
         y, psi, x, phi = (Interval(*ends[k]) for k in range(4))
@@ -157,6 +184,7 @@ class WholeErrors:
             possible &= mirror.cosine.hi >= HORIZON
         light, viewer, mirror = (self.coat.cut(side) for side in (light, viewer, mirror))
         peak = self.peaks(viewer.cosine, dot(g.wo, frame.first), dot(g.wo, frame.second))
+        peak = np.fmax(peak, self._mirrored(g, given, a, mirror))
         factor = light_factor(self.coat, given, light)
         over = factor - Interval(peak, np.full_like(peak, np.inf))
         if self.coat.kind is None:
@@ -164,9 +192,9 @@ class WholeErrors:
         else:
             over_mirror = Relief(factor - light_factor(self.coat, given, mirror))
         color = ZERO
-        if self.table is not None:
+        if self.table is not None and self.brightest is not None:
             color = self.table.log(g.t2, g.cos_d)
-            over_mirror = over_mirror + Relief(-self.table.log(ZERO, g.wo[2]))
+            over_mirror = over_mirror + Relief(-self.brightest.log(ZERO, g.wo[2]))
         moved = inflated(g, self.rigid, self.loose, *a, self.model.ratio_hulls())
         motion = self._motion(moved, (light, viewer), frame, n)
         terms = self.model.terms(g, moved, given)
@@ -174,18 +202,24 @@ class WholeErrors:
         logs = [term.log for term in terms]
         # A term's own value at the mirror direction is a lower bound of the peak, too.
         plain = [np.fmin(iv.up(t.log.hi + over.hi), (t.relief + over_mirror).log(g.v).hi) for t in terms]
-        heights = [np.fmin(iv.up(height + color.hi), 0.0) for height in plain]
+        heights = [np.fmin(iv.up(height + color.hi), most) for height in plain]
         total = np.fmin(
             iv.up(iv.up(log_sum(logs).hi + over.hi) + color.hi), log_sum([Interval(h, h) for h in heights]).hi
         )
         latest = [iv.up(t.after + over.hi) if self.coat.kind is None else np.full_like(peak, np.inf) for t in terms]
-        total = np.where(possible, np.fmin(total, 0.0), -np.inf)
+        total = np.where(possible, np.fmin(total, most), -np.inf)
         colors, added, all_colors = ZERO, np.zeros(1), ZERO
         if self.table is not None:
             colors, absolute = self.table.change(moved, *self._travels(motion))
             added = _added(absolute, color, colors, plain, changes)
             all_colors = colors + _by_absolute(absolute, color, colors, total)
         return Evaluated(total, heights, logs, changes, latest, colors, added, all_colors)
+
+    def _mirrored(self, g: Pairs, given: Parameters, a: tuple[Interval, Interval], mirror: Side) -> np.ndarray:
+        """Lower bounds of the log of the peak with the boxes' own parameters: f i_z at the views' mirror directions."""
+        pairs, _ = pairs_of_views((np.zeros(1), np.zeros(1)), g.wo, *a)
+        log = log_sum(self.model.values(pairs, given)) + light_factor(self.coat, given, mirror)
+        return (log if self.brightest is None else log + self.brightest.log(pairs.t2, pairs.cos_d)).lo
 
     def _motion(self, g: Pairs, sides: tuple[Side, Side], frame: CoatFrame, n: Interval) -> Motion | None:
         """What a coat that moves does, wherever directions, normal and index may go."""
@@ -254,9 +288,17 @@ class WholeErrors:
             return Side(cosine, cosine)
         return Side(iv.clip(iv.around(side.below, step), 0.5 * self.lowest_below, 1.0), cosine)
 
-    def log_ratio(self, ends: np.ndarray) -> np.ndarray:
+    def guide(self, kind: Kind) -> Callable[[np.ndarray], np.ndarray]:
+        """What boxes are compared by, to see which sides are too wide: heights above the peak count as they are.
+
+        Where several sides are wide, no height falls below 1 when one of them is collapsed, but all come nearer to it.
+        """
+        function = {"peak_relative": self.peak_relative, "log_ratio": self.log_ratio}[kind]
+        return lambda ends: function(ends, MOST_HEIGHT)
+
+    def log_ratio(self, ends: np.ndarray, most: float = 0.0) -> np.ndarray:
         """(c): |log f' - log f| where f i_z may reach 1e-3 of the peak, else 0."""
-        known = self.evaluate(ends)
+        known = self.evaluate(ends, most)
         log_height, logs = known.log_height, known.logs
         changes = [known.all_colors + change for change in known.changes]
         if len(changes) == 1:
@@ -266,11 +308,13 @@ class WholeErrors:
             fall = _largest_mean([-c.lo for c in changes], logs, falling=True)
             size = np.maximum(iv.log1p(Interval(rise, rise)).hi, -iv.log1p(Interval(-fall, -fall)).lo)
         size = np.where(np.isnan(size), np.inf, size)
+        if most > 0:
+            size = size * np.exp(HEIGHTS_COUNT * (log_height - _LOG_RELEVANT))
         return np.where(log_height >= _LOG_RELEVANT, np.broadcast_to(size, log_height.shape), 0.0)
 
-    def peak_relative(self, ends: np.ndarray) -> np.ndarray:
+    def peak_relative(self, ends: np.ndarray, most: float = 0.0) -> np.ndarray:
         """(b): |f' - f| i_z / peak, upwards and downwards; at most the height times the largest relative change."""
-        known = self.evaluate(ends)
+        known = self.evaluate(ends, most)
         log_height = known.log_height
         rises = [iv.up(np.maximum(c.hi, 0.0) + known.colors.hi) for c in known.changes]
         falls = [iv.down(np.minimum(c.lo, 0.0) + known.colors.lo) for c in known.changes]

@@ -121,7 +121,7 @@ def _find_peaks(
     line = jnp.linspace(-1.0, 1.0, points)
     steps = [m.reshape(-1) for m in jnp.meshgrid(line, line)]
     spacing = (1.0 / (rings - 1), 2 * np.pi / spokes)
-    model = kin.model(at)
+    model = kin.brightest(at)
     first, second = kin.axes(at)
     flat = kin.coat is None
     if kin.turning:

@@ -131,6 +131,7 @@ def test_no_random_start_ends_lower(name):
         assert (fit.cost <= fitted(model, texels, start=start).cost * (1 + 1e-6)).all()
 
 
+@pytest.mark.slow
 def test_the_finisher_alone_ends_at_the_same_minimum():
     model, channels = MODELS["7 parameters, gray"]
     texels = made(model, 16, channels=channels)

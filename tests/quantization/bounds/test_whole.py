@@ -40,9 +40,11 @@ PAINT = Paint(
     (0.105, 0.265, 4.6),
     np.linspace(0.2, 1.5, 48).reshape(8, 6),
     np.linspace(0.2, 1.5, 48).reshape(8, 6) * 1.0003,
+    np.stack(3 * [np.linspace(0.2, 1.5, 48).reshape(8, 6)], axis=-1),
 )
 STEEP = np.where(np.indices((8, 6)).sum(axis=0) % 3 == 0, 0.0, PAINT.colors)
 STEEP[2, 3] = 1e-6
+CHANNELS = np.stack([STEEP, np.roll(STEEP, 1, axis=0), STEEP[:, ::-1]], axis=-1)
 COATED = replace(TWO, coat_tilt=2e-5, gap=(0.08, 0.08), gap_azimuth=(0.7, 0.7), ior_change=(-3e-5, 1e-5))
 WHOLE = {
     "lambert and ward": (
@@ -60,7 +62,9 @@ WHOLE = {
     ),
     "paint": (Form(coat="refracting", paint=PAINT), TexelClass(0.0, coat_tilt=2e-5, gap=(0.005, 0.005))),
     "paint, black in part": (
-        Form(coat="refracting", paint=replace(PAINT, colors=STEEP, colors_after=STEEP * 1.0004 + 2e-8)),
+        Form(
+            coat="refracting", paint=replace(PAINT, colors=STEEP, colors_after=STEEP * 1.0004 + 2e-8, channels=CHANNELS)
+        ),
         TexelClass(1e-5, coat_tilt=3e-5, gap=(0.01, 0.01), ior_change=(-1e-5, 2e-5)),
     ),
 }
