@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-LARGE = 2**24
+LARGE = 2**22
 """Bytes from which on an array goes to a file: below, all maps of a material together are no burden."""
 
 
