@@ -33,7 +33,7 @@ def single(lobe, coat=None):
 SLOW = pytest.mark.slow
 
 
-@pytest.mark.parametrize("lobe", ["ward", "cook-torrance", "ggx"])
+@pytest.mark.parametrize("lobe", [pytest.param("ward", marks=SLOW), pytest.param("cook-torrance", marks=SLOW), "ggx"])
 def test_a_single_lobe_is_recovered_exactly_from_its_own_data(lobe):
     model, brdf = single(lobe)
     result = fit(model, sampled(brdf))

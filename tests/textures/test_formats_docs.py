@@ -21,6 +21,7 @@ def test_the_table_of_channels_is_what_the_script_computes():
     assert written("channels") == MAKE["channels_table"]()
 
 
+@pytest.mark.slow
 def test_the_table_of_unit_vectors_is_what_the_script_computes():
     # Bounds to the digit. What a search of wide components finds hangs on the last bit of this machine's sines: three
     # seeds of it differ by up to .13 %.

@@ -140,6 +140,7 @@ def test_the_finisher_alone_ends_at_the_same_minimum():
     np.testing.assert_allclose(found, fitted(model, texels).theta, rtol=1e-6, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_lanes_that_had_no_steps_are_finished_by_optimistix(monkeypatch):
     model, channels = MODELS["7 parameters, gray"]
     texels = made(model, 16, channels=channels)

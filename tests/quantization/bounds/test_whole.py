@@ -28,7 +28,7 @@ from axffit.quantization.bounds import (
 from axffit.quantization.bounds import whole_search as search
 from axffit.quantization.bounds.whole import WholeErrors
 from axffit.quantization.directions import LOWEST
-from axffit.quantization.tolerances import KINDS
+from axffit.quantization.tolerances import KINDS, Kind
 from axffit.targets import target_named
 from tests.quantization.bounds.exact import directions
 from tests.quantization.bounds.exact_lobes import log_value, turned
@@ -252,7 +252,7 @@ def test_a_wide_class_is_bounded_near_the_largest_error_of_its_members():
         for a, f0, d in ((0.1, 0.3, 0.1), (0.1, 0.05, 1e-3), (0.3, 0.2, 0.0))
     ]
     brackets = [bracket(form, member) for member in members]
-    found = {kind: max(one[kind].found for one in brackets) for kind in KINDS}
+    found: dict[Kind, float] = {kind: max(one[kind].found for one in brackets) for kind in KINDS}
     bounds = upper_bounds(form, hull(members), found)
     for kind in KINDS:
         # The class holds more than its members: what is as wide at every error.
