@@ -1,11 +1,10 @@
 """Proved upper bounds of what quantization does to a BRDF, beside the largest error found: [found, bound].
 
-`bracket` is the entry point: for a `Form` (which models) and a `TexelClass` (a box of parameters and their errors) it
-says, for both definitions of the BRDF error, how large an error `search` could find with the library's own models, and
-which none exceeds, proved by interval arithmetic with outward rounding. `upper_bounds` says only the latter, for the
-many classes of a material. `form_of` and `classes_of` make the two from a
-material before and after packing; `hull` merges classes. What is not covered raises `NoBound`. The mathematics is in
-``docs/bounds.md``.
+For a `Form` (which models) and a `TexelClass` (a box of parameters and their errors) `bracket` says, for both
+definitions of the BRDF error, how large an error `search` could find with the library's own models, and which none
+exceeds, proved by interval arithmetic with outward rounding. `upper_bounds` says only the latter, for the many classes
+of a material. `form_of` and `classes_of` make form and class from a material before and after packing; `hull` merges
+classes. What is not covered raises `NoBound`. The mathematics is in ``docs/bounds.md``.
 """
 
 from .bracket import LOBES as LOBES

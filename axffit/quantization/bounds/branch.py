@@ -120,7 +120,7 @@ def bound(
     """
     with np.errstate(all="ignore"):
         ends, scale = domain, np.maximum(domain[:, 1] - domain[:, 0], 1e-300)
-        scale = (scale.T / weights).T
+        scale = scale / np.reshape(weights, (-1, 1))
         values = errors(ends)
         done, count = 0.0, 1
         while (open_ := values > target).any() and count < (MOST if values.max() > loose else BUDGET):

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import intervals as iv
 from .coat import Coat, Side
-from .color_table import Brightest
+from .color_table import TableBounds
 from .extremes import Extremes
 from .fresnel import passing
 from .geometry import HORIZON
@@ -106,7 +106,7 @@ class Peaks:
         given: the class's ranges.
         grid: the cells; where azimuths matter each is cut into `FINER`² of its own.
         slopes: of a high light's half vector for each cell's middle, in the base's frame, two arrays.
-        table: the brightest channel of a car paint's color table.
+        table: the color table of a car paint, whose brightest channel counts.
     """
 
     def __init__(
@@ -116,7 +116,7 @@ class Peaks:
         given: Parameters,
         grid: Grid,
         slopes: tuple[np.ndarray, np.ndarray],
-        table: Brightest | None,
+        table: TableBounds | None,
     ):
         """Proof over all cells."""
         steps = np.array(NEIGHBORS)
@@ -168,7 +168,7 @@ def _height(
     given: Parameters,
     views: Vector,
     slopes: tuple[np.ndarray, ...],
-    table: Brightest | None,
+    table: TableBounds | None,
     *,
     mirror: bool,
 ) -> np.ndarray:
@@ -179,7 +179,7 @@ def _height(
         exists &= side.cosine.lo >= HORIZON
     side = coat.cut(side)
     log = log_sum(model.values(pairs, given)) + light_factor(coat, given, side)
-    log = log if table is None else log + table.log(pairs.t2, pairs.cos_d)
+    log = log if table is None else log + table.brightest(pairs.t2, pairs.cos_d)
     return np.where(exists, log.lo, -np.inf)
 
 

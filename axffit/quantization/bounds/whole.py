@@ -10,16 +10,14 @@ the way (mean value theorem): tilting the base's frame by w turns both direction
 w · (i × g_i + o × g_o), g the gradients by the directions.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from ..definitions import RELEVANT
-from ..tolerances import Kind
 from . import intervals as iv
 from .coat import Coat, CoatFrame, Motion, Side
-from .color_table import Brightest, TableBounds
+from .color_table import TableBounds
 from .form import Form, NoBound
 from .geometry import HORIZON
 from .intervals import Interval
@@ -51,7 +49,10 @@ LARGEST_MOTION = 0.05
 """Of a direction below the coat, on its own (radians)."""
 
 MOST_HEIGHT = 50.0
-"""Where boxes are compared, logarithms of heights reach to here."""
+"""Where boxes are compared, to see which sides are too wide, logarithms of heights reach to here.
+
+Where several sides are wide, no height falls below 1 when one of them is collapsed, but all come nearer to it.
+"""
 
 HEIGHTS_COUNT = 0.3
 """There, what (c) counts a height's logarithm: a box is done with, too, when it falls below 1e-3."""
@@ -99,8 +100,7 @@ class WholeErrors:
         self._set_lowest(form, texels, aligned=aligned)
         self.coat = Coat(form.coat, aligned=aligned, lowest=self.lowest_below)
         paint = form.paint
-        self.table = None if paint is None else TableBounds(paint.colors, paint.colors_after)
-        self.brightest = None if paint is None else Brightest(paint.channels)
+        self.table = None if paint is None else TableBounds(paint.colors, paint.colors_after, paint.channels)
         self.turning = self.model.isotropic and aligned
         self.ranges = {name: getattr(texels, name) for name in PARAMETERS if getattr(texels, name) is not None}
         if aligned or self.model.isotropic:
@@ -162,7 +162,7 @@ class WholeErrors:
     def prove_peaks(self, slopes: tuple[np.ndarray, np.ndarray]) -> None:
         """The table of peaks from slopes of half vectors for the middles of all cells of `grid`."""
         with np.errstate(all="ignore"):
-            self.peaks = Peaks(self.model, self.coat, self.given(), self.grid, slopes, self.brightest)
+            self.peaks = Peaks(self.model, self.coat, self.given(), self.grid, slopes, self.table)
 
     def evaluate(self, ends: np.ndarray, most: float = 0.0) -> Evaluated:
         """Heights and changes over boxes; logarithms of heights are cut off at ``most``."""
@@ -192,9 +192,9 @@ class WholeErrors:
         else:
             over_mirror = Relief(factor - light_factor(self.coat, given, mirror))
         color = ZERO
-        if self.table is not None and self.brightest is not None:
+        if self.table is not None:
             color = self.table.log(g.t2, g.cos_d)
-            over_mirror = over_mirror + Relief(-self.brightest.log(ZERO, g.wo[2]))
+            over_mirror = over_mirror + Relief(-self.table.brightest(ZERO, g.wo[2]))
         moved = inflated(g, self.rigid, self.loose, *a, self.model.ratio_hulls())
         motion = self._motion(moved, (light, viewer), frame, n)
         terms = self.model.terms(g, moved, given)
@@ -219,7 +219,7 @@ class WholeErrors:
         """Lower bounds of the log of the peak with the boxes' own parameters: f i_z at the views' mirror directions."""
         pairs, _ = pairs_of_views((np.zeros(1), np.zeros(1)), g.wo, *a)
         log = log_sum(self.model.values(pairs, given)) + light_factor(self.coat, given, mirror)
-        return (log if self.brightest is None else log + self.brightest.log(pairs.t2, pairs.cos_d)).lo
+        return (log if self.table is None else log + self.table.brightest(pairs.t2, pairs.cos_d)).lo
 
     def _motion(self, g: Pairs, sides: tuple[Side, Side], frame: CoatFrame, n: Interval) -> Motion | None:
         """What a coat that moves does, wherever directions, normal and index may go."""
@@ -287,14 +287,6 @@ class WholeErrors:
         if self.coat.kind == "straight":
             return Side(cosine, cosine)
         return Side(iv.clip(iv.around(side.below, step), 0.5 * self.lowest_below, 1.0), cosine)
-
-    def guide(self, kind: Kind) -> Callable[[np.ndarray], np.ndarray]:
-        """What boxes are compared by, to see which sides are too wide: heights above the peak count as they are.
-
-        Where several sides are wide, no height falls below 1 when one of them is collapsed, but all come nearer to it.
-        """
-        function = {"peak_relative": self.peak_relative, "log_ratio": self.log_ratio}[kind]
-        return lambda ends: function(ends, MOST_HEIGHT)
 
     def log_ratio(self, ends: np.ndarray, most: float = 0.0) -> np.ndarray:
         """(c): |log f' - log f| where f i_z may reach 1e-3 of the peak, else 0."""
