@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -77,11 +78,14 @@ def one_again(measured: Measure) -> dict[str, Any]:
 
 
 def results(measured: Measure, *, quick: bool) -> dict[str, Any]:
-    """What was measured of each material, and of how many there are."""
+    """What was measured of each material, and of how many there are; those of one name are told apart by their ids."""
+    looked_at = chosen(quick=quick)
+    names = Counter(m.name for m in looked_at)
+    labels = [m.name if names[m.name] == 1 else f"{m.name}, {m.id}" for m in looked_at]
     return {
         "size": SIZE,
         "of_materials": count(),
-        "materials": {m.name: measured(m) for m in chosen(quick=quick)},
+        "materials": {label: measured(m) for label, m in zip(labels, looked_at, strict=True)},
     }
 
 

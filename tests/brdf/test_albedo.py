@@ -87,6 +87,7 @@ def test_mean_albedo_is_the_mean_of_albedos(name):
     np.testing.assert_allclose(eqx.filter_jit(mean_albedo)(model), expected, rtol=1e-2)
 
 
+@pytest.mark.slow
 def test_the_mirror_is_added_on_request_and_once():
     wo = viewers(0.0, 0.6, 1.3)
     base, coat = Lambert(S), ClearCoat(Lambert(S), 1.5, color=(1.0, 0.5, 0.25))

@@ -34,7 +34,12 @@ from axffit.testing import laws
 from axffit.testing.directions import extreme_pairs, random_pairs
 from tests.brdf.models import ANISOTROPIC, ISOTROPIC, MODELS, S, car_paint
 
-every_model = pytest.mark.parametrize("name", MODELS)
+LARGEST = "coated car paint with flakes"
+"""Compiles longest, and its parts are models of the table, too."""
+
+every_model = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] if name == LARGEST else []) for name in MODELS]
+)
 
 
 def directions(count=400, *, seed=0, lowest=0.0):

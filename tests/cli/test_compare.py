@@ -20,6 +20,7 @@ PAINT = PROJECT / "data_synthetic" / "metallic_paint" / "metallic_paint.axf"
 SAMPLES = PROJECT / "data_synthetic" / "noisy_car_paint" / "noisy_car_paint.mbsdf"
 
 
+@pytest.mark.slow
 def test_the_true_model_is_off_by_the_noise_of_the_samples(tmp_path, capsys):
     results = tmp_path / "comparison.json", tmp_path / "page.html"
     command = ["compare", str(PAINT), str(SAMPLES), "--json", str(results[0]), "--html", str(results[1])]

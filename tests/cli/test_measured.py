@@ -63,6 +63,7 @@ def csv(tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_any_file_of_samples_is_fitted_and_compared(csv):
     fitted = fit(csv, model="ggx")
     assert fitted.result.outcome.ok

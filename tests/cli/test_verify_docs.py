@@ -37,6 +37,7 @@ def place(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_every_command_of_the_page_runs(place, capsys):
     outside = {"axffit verify paint.axf --target hdrp_10", "--read-by hdrp_10"}
     for line in COMMANDS.splitlines():

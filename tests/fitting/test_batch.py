@@ -29,11 +29,12 @@ def batch_of(alone, **options):
     return solve_batch(alone[0], targets, weights, **options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("model", "residual"),
     [
         pytest.param(SingleLobeModel(lobe="ggx"), NoiseWeighted(), id="ggx noise"),
-        pytest.param(SingleLobeModel(lobe="ward", fresnel="none"), LogCosine(), id="ward log", marks=pytest.mark.slow),
+        pytest.param(SingleLobeModel(lobe="ward", fresnel="none"), LogCosine(), id="ward log"),
     ],
 )
 def test_each_lane_ends_where_its_own_fit_ends(model, residual):
@@ -49,6 +50,7 @@ def test_each_lane_ends_where_its_own_fit_ends(model, residual):
     assert len(together.cost) == 3
 
 
+@pytest.mark.slow
 def test_given_starts_are_used():
     alone = problems(SingleLobeModel(lobe="ggx"), LogCosine(), range(2))
     start = Shapes(np.array([[0.3], [0.1]]), np.array([0.5, 0.4]))

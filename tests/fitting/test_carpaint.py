@@ -28,6 +28,7 @@ def z_scores(brdf, model):
     return found
 
 
+@pytest.mark.slow
 def test_lobes_are_recovered_within_their_errors_from_noisy_samples():
     # 20 seeds x 13 parameters, three of them products of two others. If the errors are right, some |z| > 4.5 has
     # probability 0.18 %, and the RMS of 260 (with 200 independent ones) leaves 0.8-1.25 with less than 0.01 %.
@@ -109,6 +110,7 @@ def test_the_result_is_json_of_the_schema(whole):
     }
 
 
+@pytest.mark.slow
 def test_under_a_coat_the_table_is_addressed_with_the_directions_below_it():
     measurements = sampled(paint(), grid=reference_grid(8, 6, 4))
     model = CarPaintModel(lobes=1, coat=Coat(1.5))

@@ -63,6 +63,7 @@ def test_standard_errors_are_those_of_the_scatter_over_repeated_measurements(lob
     assert 0.75 < np.sqrt(np.mean(np.square(z))) < 1.3
 
 
+@pytest.mark.slow
 def test_below_a_refracting_coat_only_the_product_of_color_and_f0_is_called_known():
     model, brdf = single("ggx", Coat())
     result = fit(model, sampled(brdf, noise=0.1))
@@ -132,6 +133,7 @@ def test_one_direction_is_enough_for_a_diffuse_model():
     assert result.parameter("diffuse G").value == pytest.approx(0.3)
 
 
+@pytest.mark.slow
 def test_order_and_repetition_of_samples_do_not_matter():
     base = sampled(paint(), noise=0.05)
     plain = dataclasses.replace(base, sigma=None)
@@ -152,6 +154,7 @@ def test_bright_data_are_fitted_like_dim_ones():
     assert result.parameter("specular R").value == pytest.approx(0.3e6, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_progress_is_told_and_ends_at_one():
     told = []
     fit("carpaint", sampled(paint()), color_table=4, progress=lambda what, share: told.append((what, share)))

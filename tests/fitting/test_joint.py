@@ -42,6 +42,7 @@ def ended(joint, start):
     return joint.minimize(*start, free_lobes=True, max_steps=200, tolerance=1e-10)
 
 
+@pytest.mark.slow
 def test_a_dense_general_solver_ends_at_the_same_cost(joint, start, ended):
     # All unknowns in one vector, every residual and the smoothing written out: what the Schur complement shortcuts.
     a = jnp.asarray(joint.design.matrix.toarray())

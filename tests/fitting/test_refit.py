@@ -79,6 +79,7 @@ def as_ggx():
     return material, refit(material, "ggx")
 
 
+@pytest.mark.slow
 def test_texels_of_the_same_model_come_back(as_ggx):
     material, found = as_ggx
     assert found.interpolation is not None
@@ -91,6 +92,7 @@ def test_texels_of_the_same_model_come_back(as_ggx):
     assert max(metrics.relative_cosine_rms for metrics in loss(material, found.material, uv)) < 1e-3
 
 
+@pytest.mark.slow
 def test_microfacet_colors_are_four_times_the_sdk_s(as_ggx):
     _, found = as_ggx
     scaled = microfacet(found.material).textures["specularcolor"].data

@@ -77,6 +77,7 @@ def test_the_scan_puts_the_true_lobes_first():
     np.testing.assert_allclose(np.log(best), np.log([0.06, 0.17, 0.5]), atol=0.45)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["log", "cube-root"])
 def test_the_scanned_start_ends_at_the_best_of_ten_random_ones(name):
     problem = problem_of(RESIDUALS[name](), CarPaintModel(lobes=2))

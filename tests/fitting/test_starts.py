@@ -19,7 +19,8 @@ def problem_of(model, residual, measurements):
     return make_problem(model, residual, measurements, residual.prepare(measurements))
 
 
-@pytest.mark.parametrize("residual", ["log", pytest.param("cosine", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("residual", ["log", "cosine"])
 def test_the_end_is_a_minimum_of_all_samples_however_small_the_residuals(residual):
     # Dim samples: residuals of 1e-4, where a damping that starts at 1 would stop the solver at its start.
     samples = sampled(paint())
@@ -35,6 +36,7 @@ def test_the_end_is_a_minimum_of_all_samples_however_small_the_residuals(residua
             assert float(cost_at(problem, shapes)[0]) >= float(found.cost) * (1.0 - 1e-9)
 
 
+@pytest.mark.slow
 def test_f0_on_its_bound_is_reached_and_is_a_minimum():
     brdf = Sum((Lambert(jnp.full(3, 0.1)), GGX(jnp.full(3, 0.2), 0.2, Schlick1994(1.0))))
     problem = problem_of(SingleLobeModel(lobe="ggx"), RESIDUALS["log"](), sampled(brdf, noise=0.02, seed=4))

@@ -45,6 +45,7 @@ def single():
     return checked(fit(model, data, residual=NOISE, study=asked))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("index", range(3))
 def test_at_little_noise_profile_and_standard_error_agree(single, index):
     profile = single.profiles[index]
@@ -53,6 +54,7 @@ def test_at_little_noise_profile_and_standard_error_agree(single, index):
     np.testing.assert_allclose(ends, [-1.96, 1.96], atol=0.1)
 
 
+@pytest.mark.slow
 def test_the_bootstrap_finds_the_standard_errors(single):
     assert single.bootstrap.converged == 200
     assert [one.name for one in single.bootstrap.parameters] == [one.name for one in single.parameters]

@@ -84,7 +84,11 @@ def test_nothing_valid_is_described_all_the_same():
         measured.resampled(none)
 
 
-@pytest.mark.parametrize("name", [name for name in MAKERS if name != "paint.binary"])
+@pytest.mark.parametrize(
+    "name",
+    # A file of UTIA has one size, 288 lights by 288 views.
+    [pytest.param(x, marks=[pytest.mark.slow] if x == "paint.bin" else []) for x in MAKERS if x != "paint.binary"],
+)
 def test_every_format_is_described_and_shown(name, tmp_path):
     MAKERS[name](tmp_path / name)
     found = describe(measured.read(tmp_path / name))

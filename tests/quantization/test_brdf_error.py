@@ -137,6 +137,7 @@ WORST_CASES = {
 """Largest (c) of one texel class under RGBA16_UNORM normals and half maps, found by a prototype's search."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", WORST_CASES, ids=str)
 def test_narrow_lobes_are_resolved(case):
     model, variant, alpha = case

@@ -13,7 +13,10 @@ PAGE = (DOCS / "formats.md").read_text(encoding="utf-8")
 MAKE = runpy.run_path(str(DOCS / "make_formats.py"))
 
 
-@pytest.mark.parametrize(("name", "table"), [("channels", "channels_table"), ("unit vectors", "unit_vectors_table")])
+@pytest.mark.parametrize(
+    ("name", "table"),
+    [("channels", "channels_table"), pytest.param("unit vectors", "unit_vectors_table", marks=pytest.mark.slow)],
+)
 def test_the_tables_are_what_the_script_computes(name, table):
     written = PAGE.split(f"<!-- {name} -->\n")[1].split(f"<!-- end of {name} -->\n")[0]
     assert written == MAKE[table]()

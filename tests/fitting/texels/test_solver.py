@@ -70,6 +70,7 @@ def test_collinear_columns_leave_the_smaller_face():
     assert float(first[0] * second[0]) == 0.0
 
 
+@pytest.mark.slow
 def test_gauss_newton_matrix_is_the_schur_complement_of_the_full_jacobian():
     model, channels = MODELS["everything"]
     texels = made(model, 2, images=24)
