@@ -1,9 +1,8 @@
 """An upper bound of the BRDF errors of all texels of a material, from bounds of its merged classes.
 
-A few merged classes hold all classes of the table (`classes`), and the largest of their bounds holds for every texel.
-Merging makes boxes wide and bounds loose; so the group with the largest bound is taken apart, and the parts are bounded
-anew, until the bound is near what was found, or no lower, or `MOST_GROUPS` were bounded. The number is fixed, not the
-time: the same material gets the same bound everywhere.
+One merged class holds all classes of the table (`classes`), and its bound holds for every texel; where the class is too
+wide for a good one it is taken apart (`bounds.descent`). The work is fixed, not the time: the same material gets the
+same bound everywhere.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,21 +13,15 @@ import numpy as np
 
 from ..axf import AxfMaterial, MaterialKind
 from ..targets import PackedMaterial, target_named
-from .bounds import Bounds, Form, NoBound, TexelClass, form_of, upper_bounds
+from .bounds import MOST_BOXES, Bounds, Form, Group, NoBound, TexelClass, form_of, upper_bounds
 from .brdf_error import without_negative_colors
 from .classes import ClassTable, class_table
 from .statistics import finite_or_none
 from .tiles import of_packed_texels, of_texels
-from .tolerances import KINDS, Kind
+from .tolerances import Kind
 
-MOST_GROUPS = 7
-"""Groups that are bounded, shared among a material's forms: one for an SVBRDF, three (channels) for a car paint."""
-
-NEAR = 2.0
-"""Bounds up to this times what was found are not lowered by taking groups apart."""
-
-WORTH = 0.95
-"""Parts are worth more splitting where they lower the group's bound at least to this part of it."""
+MOST_GROUPS = 8
+"""Where all classes of a material have no bound together: groups that are bounded apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +100,7 @@ def material_bounds(
         classes: list[BoundedClass] = []
         for number, (channel, form) in enumerate(forms.items()):
             steps = lambda done, k=number: progress(0.3 + 0.7 * (k + done) / len(forms))  # noqa: E731
-            classes += _bounded(form, table, channel, found, MOST_GROUPS // len(forms), steps)
+            classes += _bounded(form, table, channel, found, MOST_BOXES // len(forms), steps)
     except NoBound as error:
         progress(1.0)
         return MaterialBounds((), cells, str(error))
@@ -147,62 +140,32 @@ def _bounded(
     most: int,
     progress: Callable[[float], None],
 ) -> list[BoundedClass]:
-    """Groups that hold the whole table, their bounds lowered by splitting; at most so many are bounded.
+    """Groups that hold the whole table; more than one where some classes have no bound together.
 
     Raises:
-        NoBound: where even a group that cannot be split any more has no bound, or no more may be bounded.
+        NoBound: where even a group that cannot be split any more has no bound, or there are too many.
     """
-
-    def bounded(chosen: np.ndarray) -> BoundedClass | NoBound:
+    waiting, classes = [np.arange(len(table))], []
+    while waiting:
+        chosen = waiting.pop()
         try:
-            texels = table.merged(chosen)
-            bounds = upper_bounds(form, texels, found)
-            return BoundedClass(texels, int(table.items[chosen].sum()), channel, bounds)
-        except NoBound as error:
-            return error
-
-    everything = np.arange(len(table))
-    groups = [(everything, bounded(everything))]
-    count = 1
-    settled: set[int] = set()
-    while count + 2 <= most and (chosen := _worst(groups, settled, found)) is not None:
-        progress(count / most)
-        indices, whole = groups[chosen]
-        halves = table.halves(indices)
-        if halves is None:
-            settled.add(id(indices))
-            continue
-        parts = [(half, bounded(half)) for half in halves]
-        count += 2
-        groups[chosen : chosen + 1] = parts
-        if not _lowered(whole, [part for _, part in parts]):
-            settled |= {id(half) for half in halves}
-    progress(1.0)
-    refused = next((each for _, each in groups if isinstance(each, NoBound)), None)
-    if refused is not None:
-        raise refused
-    return [each for _, each in groups if isinstance(each, BoundedClass)]
+            group = _group(table, chosen)
+            bounds = upper_bounds(form, group, found, most)
+            classes.append(BoundedClass(group.texels, int(table.items[chosen].sum()), channel, bounds))
+        except NoBound:
+            halves = table.halves(chosen)
+            if halves is None or len(classes) + len(waiting) + 2 > MOST_GROUPS:
+                raise
+            waiting += halves[::-1]
+        progress(sum(each.items for each in classes) / int(table.items.sum()))
+    return classes
 
 
-def _worst(
-    groups: list[tuple[np.ndarray, BoundedClass | NoBound]], settled: set[int], found: Mapping[Kind, float]
-) -> int | None:
-    """The group to split next: one without a bound, else the one whose bound is the most times what was found."""
-    open_ = [k for k, (indices, _) in enumerate(groups) if id(indices) not in settled]
+def _group(table: ClassTable, chosen: np.ndarray) -> Group:
+    """Some classes of the table, to be taken apart as the table is."""
 
-    def excess(k: int) -> float:
-        return max(_bound(groups[k][1], kind) / max(found[kind], 1e-12) for kind in KINDS)
+    def halves() -> tuple[Group, Group] | None:
+        parts = table.halves(chosen)
+        return None if parts is None else (_group(table, parts[0]), _group(table, parts[1]))
 
-    worst = max(open_, key=excess, default=None)
-    return None if worst is None or excess(worst) <= NEAR else worst
-
-
-def _bound(each: BoundedClass | NoBound, kind: Kind) -> float:
-    return np.inf if isinstance(each, NoBound) else each.bounds[kind].value
-
-
-def _lowered(whole: BoundedClass | NoBound, parts: list[BoundedClass | NoBound]) -> bool:
-    """Whether splitting helped either definition."""
-    if isinstance(whole, NoBound):
-        return True
-    return any(max(_bound(part, kind) for part in parts) <= WORTH * _bound(whole, kind) for kind in KINDS)
+    return Group(table.merged(chosen), halves)

@@ -1,7 +1,7 @@
 """What is written is read back bit for bit."""
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 
 from axffit import axf
 from axffit.synthesis import brushed_carbon, metallic_paint
@@ -19,6 +19,8 @@ def assert_same(found, expected):
         assert a.inferred == ()
 
 
+# 500 of them: test_interoperability.py.
+@settings(max_examples=40)
 @given(file=axf_files())
 def test_any_material(file, tmp_path_factory):
     path = tmp_path_factory.mktemp("round") / "a.axf"

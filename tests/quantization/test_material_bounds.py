@@ -35,36 +35,43 @@ def test_found_is_below_the_bound_and_not_far(model, variant):
 FOUND = dict.fromkeys(KINDS, 1e-4)
 
 
-def fake(widths):
-    """A bound that grows with the width of the roughness, and counts how often it was asked for."""
+def fake(widths, most=np.inf):
+    """A bound that grows with the width of the roughness, which is noted; none above ``most``."""
 
-    def upper_bounds(form, texels, found):
-        widths.append(texels.roughness[1] / texels.roughness[0])
+    def upper_bounds(form, group, found, boxes):
+        widths.append(group.texels.roughness[1] / group.texels.roughness[0])
+        if widths[-1] > most:
+            raise NoBound("too wide")
         return {kind: Bounds(1e-3 * widths[-1], 1) for kind in KINDS}
 
     return upper_bounds
 
 
-def test_groups_are_split_where_that_lowers_the_bound(monkeypatch):
+def test_all_classes_are_bounded_together(monkeypatch):
     widths = []
     monkeypatch.setattr(module, "upper_bounds", fake(widths))
-    material = ward()
-    bounds = material_bounds(material, unity_2018.pack(material), FOUND)
-    assert 3 <= len(widths) <= module.MOST_GROUPS
-    assert bounds.bound("log_ratio") < 1e-3 * widths[0]
+    bounds = material_bounds(ward(), unity_2018.pack(ward()), FOUND)
+    assert len(widths) == len(bounds.classes) == 1
+    assert bounds.classes[0].items == 3 * 256
+
+
+def test_classes_without_a_bound_together_are_bounded_apart(monkeypatch):
+    widths = []
+    monkeypatch.setattr(module, "upper_bounds", fake([]))
+    together = material_bounds(ward(), unity_2018.pack(ward()), FOUND).bound("log_ratio")
+    assert together is not None
+    monkeypatch.setattr(module, "upper_bounds", fake(widths, most=0.9e3 * together))
+    bounds = material_bounds(ward(), unity_2018.pack(ward()), FOUND)
+    assert 3 <= len(widths) <= 2 * module.MOST_GROUPS
+    assert bounds.bound("log_ratio") == pytest.approx(1e-3 * max(w for w in widths if w <= 0.9e3 * together))
     assert sum(each.items for each in bounds.classes) == 3 * 256
     assert bounds.cells > len(bounds.classes) > 1
-
-
-def test_bounds_near_what_was_found_are_not_lowered(monkeypatch):
-    widths = []
-    monkeypatch.setattr(module, "upper_bounds", fake(widths))
-    material_bounds(ward(), unity_2018.pack(ward()), dict.fromkeys(KINDS, 1.0))
-    assert len(widths) == 1
+    monkeypatch.setattr(module, "upper_bounds", fake([], most=0.0))
+    assert material_bounds(ward(), unity_2018.pack(ward()), FOUND).reason == "too wide"
 
 
 def test_what_is_not_covered_is_named(monkeypatch):
-    def refused(form, texels, found):
+    def refused(form, group, found, boxes):
         raise NoBound("coats of pumpkin")
 
     monkeypatch.setattr(module, "upper_bounds", refused)

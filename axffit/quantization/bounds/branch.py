@@ -25,7 +25,7 @@ Function = Callable[[Ends], np.ndarray]
 """Of boxes; an upper bound of an error over each."""
 
 BATCH = 2048
-"""Boxes split at once; the worst ones first."""
+"""Boxes split at once, the worst ones first."""
 
 BUDGET, MOST = 60_000, 240_000
 """Boxes evaluated for one definition, by about a batch: for the target, and where the bound is still loose."""
@@ -48,6 +48,33 @@ class Bounds:
 
     value: float
     boxes: int
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """What a search for a bound ends with.
+
+    Attributes:
+        done: the largest bound of the boxes that were done with.
+        ends: the boxes that were not.
+        values: their bounds.
+        boxes: boxes evaluated.
+    """
+
+    done: float
+    ends: Ends
+    values: np.ndarray
+    boxes: int
+
+    @property
+    def value(self) -> float:
+        """The upper bound."""
+        return max(self.done, self.worst)
+
+    @property
+    def worst(self) -> float:
+        """The largest bound of the boxes that are left."""
+        return float(self.values.max(initial=0.0))
 
 
 class ClassErrors:
@@ -100,43 +127,53 @@ class ClassErrors:
         return np.where(np.isneginf(log_height), 0.0, np.maximum(above, below))
 
 
+def side_scale(domain: Ends, weights: np.ndarray | float = 1.0) -> np.ndarray:
+    """What a side's width is compared with where no side helps alone, (sides, 1): the domain's, over its weight."""
+    return np.maximum(domain[:, 1] - domain[:, 0], 1e-300) / np.reshape(weights, (-1, 1))
+
+
 def bound(
     errors: Function,
-    domain: Ends,
+    ends: Ends,
     target: float,
-    loose: float = np.inf,
+    scale: np.ndarray,
     guide: Function | None = None,
-    weights: np.ndarray | float = 1.0,
-) -> Bounds:
-    """Upper bound over the whole domain of a class.
+    *,
+    loose: float = np.inf,
+    budget: int = BUDGET,
+    batch: int = BATCH,
+) -> Rest:
+    """Upper bound over boxes, which are split until it is low enough.
 
     Args:
         errors: upper bound of an error over boxes, `ClassErrors.log_ratio` or `ClassErrors.peak_relative`.
-        domain: the box of all directions and texels, (sides, 2, 1).
+        ends: boxes, which together are the domain.
         target: boxes at or below it are not split further.
-        loose: a bound above it is worth up to `MOST` boxes instead of `BUDGET`.
+        scale: see `side_scale`.
         guide: what boxes are compared by to choose sides; None takes the errors.
-        weights: of the sides, where none helps alone.
+        loose: a bound above it is worth up to `MOST` boxes instead of ``budget``.
+        budget: boxes to split for beside those given, by about a batch.
+        batch: boxes split at once, the worst ones first.
     """
     with np.errstate(all="ignore"):
-        ends, scale = domain, np.maximum(domain[:, 1] - domain[:, 0], 1e-300)
-        scale = scale / np.reshape(weights, (-1, 1))
         values = errors(ends)
-        done, count = 0.0, 1
-        while (open_ := values > target).any() and count < (MOST if values.max() > loose else BUDGET):
+        done, count = 0.0, ends.shape[-1]
+        budget += count - 1
+        while (open_ := values > target).any() and count < (MOST if values.max() > loose else budget):
             done = max(done, float(values[~open_].max(initial=0.0)))
             ends, values = ends[..., open_], values[open_]
-            worst = np.argsort(-values)[:BATCH]
+            worst = np.argsort(-values, kind="stable")[:batch]
             before = values[worst] if guide is None else guide(ends[..., worst])
             children = split(guide or errors, ends[..., worst], before, scale)
             keep = np.ones(len(values), bool)
             keep[worst] = False
             new = errors(children)
-            count += (len(domain) + 4 + (guide is not None)) * len(worst)
+            count += (len(ends) + 4 + (guide is not None)) * len(worst)
             alive = new > 0
             ends = np.concatenate([ends[..., keep], children[..., alive]], axis=-1)
             values = np.concatenate([values[keep], new[alive]])
-    return Bounds(max(done, float(values.max(initial=0.0))), count)
+        open_ = values > target
+    return Rest(max(done, float(values[~open_].max(initial=0.0))), ends[..., open_], values[open_], count)
 
 
 def split(guide: Function, ends: Ends, before: np.ndarray, scale: np.ndarray) -> Ends:

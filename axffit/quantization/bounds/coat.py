@@ -13,7 +13,7 @@ from . import intervals as iv
 from .fresnel import Passing, passing, quotient
 from .geometry import HORIZON
 from .intervals import Interval
-from .pairs import ONE, ZERO, Pairs, Vector, dot, plus, times
+from .pairs import ONE, ZERO, Pairs, Vector, cosine_between, dot, plus, times
 from .terms import Parameters
 
 
@@ -26,10 +26,18 @@ class CoatFrame(NamedTuple):
 
 
 def coat_frame(gap: Interval, azimuth: Interval) -> CoatFrame:
-    """The frame of a normal at an angle ``gap`` and an azimuth."""
+    """The frame of a normal at an angle ``gap`` and an azimuth: the base's, tilted without a twist.
+
+    So a wide range of azimuths moves its axes by no more than the gap. With versin g = 2 sin²(g/2) the first axis is
+    (1 - cos² a versin g, -cos a sin a versin g, -cos a sin g).
+    """
     cos_g, sin_g, cos_a, sin_a = iv.cos(gap), iv.sin(gap), iv.cos(azimuth), iv.sin(azimuth)
+    versine = 2.0 * iv.square(iv.sin(0.5 * gap))
+    x, y, mixed = sin_g * cos_a, sin_g * sin_a, -(cos_a * sin_a * versine)
     return CoatFrame(
-        (sin_g * cos_a, sin_g * sin_a, cos_g), (cos_g * cos_a, cos_g * sin_a, -sin_g), (-sin_a, cos_a, ZERO)
+        (x, y, cos_g),
+        (1.0 - iv.square(cos_a) * versine, mixed, -x),
+        (mixed, 1.0 - iv.square(sin_a) * versine, -y),
     )
 
 
@@ -64,7 +72,7 @@ class Coat:
 
     def cosine_below(self, w: Vector, frame: CoatFrame) -> Interval:
         """<w, m>."""
-        return w[2] if self.aligned else iv.clip(dot(w, frame.normal), -1.0, 1.0)
+        return w[2] if self.aligned else iv.clip(cosine_between(w, frame.normal), -1.0, 1.0)
 
     def side(self, below: Interval, n: Interval) -> Side:
         """From the cosine below; not cut down to the domain, and -1 outside where nothing leaves."""

@@ -101,9 +101,11 @@ class Kindred:
         return spherical_to_direction(at["gap"], at["gap_azimuth"])
 
     def axes(self, at: Numbers) -> tuple[jax.Array, jax.Array]:
-        """Two axes across the coat's normal; views' azimuths count from the first."""
-        across = spherical_to_direction(jnp.asarray(0.5 * np.pi), at["gap_azimuth"] + 0.5 * np.pi)
-        return spherical_to_direction(at["gap"] + 0.5 * np.pi, at["gap_azimuth"]), across
+        """Two axes across the coat's normal, the base's tilted without a twist; azimuths count from the first."""
+        normal = self.normal(at)
+        x, y, z = jnp.eye(3)
+        towards = (normal + z) / (1.0 + normal[2])
+        return x - normal[0] * towards, y - normal[1] * towards
 
     def inwards(self, at: Numbers, w: jax.Array) -> jax.Array:
         """A direction below the coat."""

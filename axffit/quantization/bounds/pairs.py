@@ -30,6 +30,36 @@ def dot(a: Vector, b: Vector) -> Interval:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
+ROOM = 2e-7
+"""Angles from arccosines near 1 may be wrong by this, rounding included."""
+
+
+def cosine_between(a: Vector, b: Vector) -> Interval:
+    """<a, b> of unit vectors: the inner product, and where it is tighter the cosine of the angle between two caps.
+
+    The inner product of wide boxes counts vectors that are none of length 1.
+    """
+    product, (one, reach), (other, further) = dot(a, b), _cap(a), _cap(b)
+    angle = np.arccos(np.clip(sum(x * y for x, y in zip(one, other, strict=True)), -1.0, 1.0))
+    reach = reach + further + ROOM
+    low, high = np.cos(np.minimum(angle + reach, np.pi)), np.cos(np.maximum(angle - reach, 0.0))
+    return iv.meet(product, Interval(low - 1e-15, high + 1e-15))
+
+
+def _cap(a: Vector) -> tuple[list[np.ndarray], np.ndarray]:
+    """Middle and angle of a cap that holds all unit vectors of a box.
+
+    With the box's middle w, |a - w| <= r: the cosine of the angle from w is (1 + |w|² - |a - w|²) / (2 |w|).
+    """
+    middle = [0.5 * (c.lo + c.hi) for c in a]
+    square = sum(w * w for w in middle)
+    length = np.sqrt(np.maximum(square, 1e-6))
+    radius = sum((0.5 * (c.hi - c.lo)) ** 2 for c in a)
+    cosine = (1.0 + square - radius) / (2.0 * length) - 1e-14
+    reach = np.where(square > 1e-6, np.arccos(np.clip(cosine, -1.0, 1.0)), np.pi)
+    return [w / length for w in middle], reach
+
+
 def cross(a: Vector, b: Vector) -> Vector:
     """Vector product."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])

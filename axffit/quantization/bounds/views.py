@@ -24,6 +24,9 @@ STRETCH = (1.0, 0.8, 1.4, 2.0)
 NEIGHBORS = ((0, 0), (0, 1), (0, -1), (1, 0), (-1, 0), (4, 0))
 """And those of cells near by, in steps of cosine and azimuth."""
 
+SHARES = (0.1, 0.2, 0.3, 0.4, 0.6)
+"""Where a view's mirror direction hardly leaves the coat, lights this far from there to the coat's normal are tried."""
+
 FINER = 2
 """Next to views whose mirror direction does not leave the coat peaks change fast."""
 
@@ -131,6 +134,8 @@ class Peaks:
         shape = (len(grid.edges) - 1, grid.azimuths)
         near = [tuple(np.roll(s.reshape(shape), step, axis=(0, 1)).reshape(-1) for s in slopes) for step in steps]
         tries = [tuple(part * s for s in slopes) for part in STRETCH[1:]] + near
+        if not coat.aligned:
+            tries += [_between(views, coat.frame(given).normal, share) for share in SHARES]
         tries.append(tuple(np.zeros_like(s) for s in slopes))
         for attempt in tries:
             mirror = not np.any(attempt[0]) and not np.any(attempt[1])
@@ -145,6 +150,15 @@ class Peaks:
         """Lower bound of the log of the lowest peak of views, see `Grid.cells`."""
         first, last, start, stop = self.grid.cells(cosine, x, y)
         return self._table(start, stop, first, last)
+
+
+def _between(views: Vector, normal: Vector, share: float) -> tuple[np.ndarray, np.ndarray]:
+    """Slopes of half vectors through which views see lights between their mirror direction and the coat's normal."""
+    x, y, z = (0.5 * (c.lo + c.hi) for c in views)
+    light = [(1 - share) * w + share * 0.5 * (m.lo + m.hi) for w, m in zip((-x, -y, z), normal, strict=True)]
+    length = np.sqrt(sum(c * c for c in light))
+    height = light[2] / length + z
+    return (light[0] / length + x) / height, (light[1] / length + y) / height
 
 
 def _views_below(coat: Coat, given: Parameters, cosine: Interval, azimuth: Interval) -> Vector:

@@ -10,6 +10,7 @@ the way (mean value theorem): tilting the base's frame by w turns both direction
 w · (i × g_i + o × g_o), g the gradients by the directions.
 """
 
+from copy import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -95,27 +96,35 @@ class WholeErrors:
 
     def __init__(self, form: Form, texels: TexelClass):
         """Everything but the peaks, see `prove_peaks`."""
-        self.texels, self.model = texels, Model(form, texels)
+        self.form = form
         aligned = form.coat is None or texels.gap == (0.0, 0.0)
         self._set_lowest(form, texels, aligned=aligned)
         self.coat = Coat(form.coat, aligned=aligned, lowest=self.lowest_below)
+        self._set_texels(texels)
         paint = form.paint
         self.table = None if paint is None else TableBounds(paint.colors, paint.colors_after, paint.channels)
         self.turning = self.model.isotropic and aligned
-        self.ranges = {name: getattr(texels, name) for name in PARAMETERS if getattr(texels, name) is not None}
-        if aligned or self.model.isotropic:
-            # Without axes of the lobe the coat's normal may lie at azimuth 0.
-            self.ranges["gap_azimuth"] = (0.0, 0.0)
-        if form.coat == "refracting" and texels.ior[0] <= 1.0001:
-            raise NoBound(f"a refracting coat of index {texels.ior[0]}: covered are indices above 1.0001")
-        self._set_motions(form, texels)
         self.sides = [name for name, (low, high) in self.ranges.items() if high - low > 1e-9 * max(abs(high), 1e-3)]
         self.grid = Grid(256, 1) if self.turning else Grid(64, 48)
         self.weights = np.array([1.0] * 4 + [PARAMETERS_COUNT] * len(self.sides))
         self.peaks: Peaks | None = None
 
-    def _set_motions(self, form: Form, texels: TexelClass) -> None:
-        """How far each direction below the coat may move on its own, and both together."""
+    def narrowed(self, texels: TexelClass) -> "WholeErrors":
+        """The same for a class within this one: with its sides and peaks, which hold for every part of it."""
+        part = copy(self)
+        part._set_texels(texels)
+        return part
+
+    def _set_texels(self, texels: TexelClass) -> None:
+        """The class's ranges, and how far directions below the coat may move: each on its own, and both together."""
+        form = self.form
+        self.texels, self.model = texels, Model(form, texels)
+        self.ranges = {name: getattr(texels, name) for name in PARAMETERS if getattr(texels, name) is not None}
+        if self.model.isotropic or self.coat.aligned:
+            # Without axes of the lobe the coat's normal may lie at azimuth 0.
+            self.ranges["gap_azimuth"] = (0.0, 0.0)
+        if form.coat == "refracting" and texels.ior[0] <= 1.0001:
+            raise NoBound(f"a refracting coat of index {texels.ior[0]}: covered are indices above 1.0001")
         self.rigid = float(np.nextafter(texels.tilt + texels.twist, np.inf))
         self.loose = 0.0
         if form.coat == "refracting":

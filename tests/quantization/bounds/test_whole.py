@@ -15,6 +15,7 @@ from axffit.axf import read
 from axffit.axf.maps import grid_shape, texel_centers
 from axffit.quantization.bounds import (
     Form,
+    Group,
     NoBound,
     Paint,
     TexelClass,
@@ -253,7 +254,7 @@ def test_a_wide_class_is_bounded_near_the_largest_error_of_its_members():
     ]
     brackets = [bracket(form, member) for member in members]
     found: dict[Kind, float] = {kind: max(one[kind].found for one in brackets) for kind in KINDS}
-    bounds = upper_bounds(form, hull(members), found)
+    bounds = upper_bounds(form, Group(hull(members)), found)
     for kind in KINDS:
         # The class holds more than its members: what is as wide at every error.
         assert found[kind] <= bounds[kind].value <= 2.5 * found[kind]
