@@ -82,7 +82,8 @@ def descend(problem: Problem, group: Group, kind: Kind, target: float, near: flo
     while open_ and -open_[0][0] > near and boxes < most:
         _, _, group, problem, ends = heapq.heappop(open_)
         halves = group.halves()
-        parts = [(group, problem)] if halves is None else [(half, problem.narrowed(half.texels)) for half in halves]
+        with np.errstate(all="ignore"):
+            parts = [(group, problem)] if halves is None else [(half, problem.narrowed(half.texels)) for half in halves]
         for half, part in parts:
             if (left := _within(ends, part.domain)).size:
                 rest = searched(part, left, near, STEP)
