@@ -252,7 +252,8 @@ def _reflectance_note(brdf: Mapping[str, Any]) -> str:
     else:
         groups, cells = len(bounds["classes"]), count(bounds["cells"])
         unproved = [f"({row['definition']}) {row['unproved']}" for row in brdf["rows"] if row["unproved"]]
-        proved = f"Bound: holds for every texel, view and light, by {groups} groups of {cells} texel classes. "
+        together = "together" if groups == 1 else f"in {groups} groups"
+        proved = f"Bound: holds for every texel, view and light; {cells} texel classes are bounded {together}. "
         proved += (
             f"Judged is what was found where there is none: {'; '.join(unproved)}. " if unproved else "It is judged. "
         )

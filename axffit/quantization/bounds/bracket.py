@@ -89,9 +89,9 @@ def bracket(form: Form, texels: TexelClass) -> dict[Kind, Bracket]:
     Raises:
         NoBound: the form, or something in the class, is not covered; the message says what.
     """
-    problem = _problem(form, texels)
-    found = problem.find()
-    proved = {kind: problem.bound(kind, found[kind]) for kind in KINDS}
+    searched = _searched(form, texels)
+    found = searched.find()
+    proved = {kind: searched.bound(kind, found[kind]) for kind in KINDS}
     return {kind: Bracket(found[kind], proved[kind].value, proved[kind].boxes) for kind in KINDS}
 
 
@@ -110,7 +110,7 @@ def upper_bounds(form: Form, group: Group, found: Mapping[Kind, float], most: in
     Raises:
         NoBound: as in `bracket`.
     """
-    problem = _problem(form, group.texels).problem
+    problem = _searched(form, group.texels).problem
     bounds = {}
     for kind in KINDS:
         target, near = (max(times * found[kind], LEAST) for times in (WIDE, NEAR))
@@ -142,7 +142,7 @@ class _Searched:
         return Bounds(rest.value, rest.boxes)
 
 
-def _problem(form: Form, texels: TexelClass) -> _Searched:
+def _searched(form: Form, texels: TexelClass) -> _Searched:
     lobe = _closed_form(form, texels)
     return _whole(form, texels) if lobe is None else _closed(form, lobe, texels)
 
