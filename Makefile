@@ -17,7 +17,7 @@ PARALLEL = -n $(JOBS) --dist worksteal
 help:
 	@echo "make report    generate the bundled materials, verify and fit them, write reports/latest/index.html"
 	@echo "make test      the fast tests"
-	@echo "make test-all  the long tests: those marked slow, and the property tests with four times the examples"
+	@echo "make test-all  the long tests: those marked slow, and the property tests with ten times the examples"
 	@echo "make lint      ruff and pyright"
 	@echo "make bench     speed, as ratios to a plain NumPy peer"
 	@echo "make lock      resolve requirements.lock anew (needs uv and a network)"

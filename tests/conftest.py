@@ -25,7 +25,7 @@ if "JAX_COMPILATION_CACHE_DIR" not in os.environ:
 jax.config.update("jax_persistent_cache_min_compile_time_secs", 0)
 jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
 
-# Derandomized, so that a change that broke nothing turns nothing red; `all` (make test-all) looks four times
+# Derandomized, so that a change that broke nothing turns nothing red; `all` (make test-all) looks ten times
 # as far. A deadline and "too slow" would measure JAX's first compilation, not the test.
 _COMMON: dict[str, Any] = {
     "derandomize": True,
@@ -34,7 +34,7 @@ _COMMON: dict[str, Any] = {
     "suppress_health_check": [HealthCheck.too_slow],
 }
 settings.register_profile("ci", max_examples=40, **_COMMON)
-settings.register_profile("all", max_examples=160, **_COMMON)
+settings.register_profile("all", max_examples=400, **_COMMON)
 settings.load_profile(os.environ.get("AXFFIT_HYPOTHESIS_PROFILE", "ci"))
 
 

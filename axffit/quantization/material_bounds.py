@@ -145,19 +145,20 @@ def _bounded(
     Raises:
         NoBound: where even a group that cannot be split any more has no bound, or there are too many.
     """
-    waiting, classes = [np.arange(len(table))], []
+    waiting, classes, whole = [np.arange(len(table))], [], int(table.items.sum())
     while waiting:
         chosen = waiting.pop()
+        before, items = sum(each.items for each in classes), int(table.items[chosen].sum())
+        steps = lambda done, before=before, items=items: progress((before + done * items) / whole)  # noqa: E731
         try:
             group = _group(table, chosen)
-            bounds = upper_bounds(form, group, found, most)
-            classes.append(BoundedClass(group.texels, int(table.items[chosen].sum()), channel, bounds))
+            bounds = upper_bounds(form, group, found, most, steps)
+            classes.append(BoundedClass(group.texels, items, channel, bounds))
         except NoBound:
             halves = table.halves(chosen)
             if halves is None or len(classes) + len(waiting) + 2 > MOST_GROUPS:
                 raise
             waiting += halves[::-1]
-        progress(sum(each.items for each in classes) / int(table.items.sum()))
     return classes
 
 

@@ -12,7 +12,7 @@ from tests.conftest import PROJECT
 
 
 @pytest.mark.slow
-def test_quick_demo_writes_the_page_and_names_it_last(tmp_path, capsys, few_texels):
+def test_quick_demo_writes_the_page_and_names_it_last(tmp_path, capsys):
     out = tmp_path / "reports" / "latest"
     assert dispatch(["demo", "--quick", "--out", str(out)]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == str(out / "index.html")

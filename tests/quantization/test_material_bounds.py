@@ -38,7 +38,7 @@ FOUND = dict.fromkeys(KINDS, 1e-4)
 def fake(widths, most=np.inf):
     """A bound that grows with the width of the roughness, which is noted; none above ``most``."""
 
-    def upper_bounds(form, group, found, boxes):
+    def upper_bounds(form, group, found, boxes, progress):
         widths.append(group.texels.roughness[1] / group.texels.roughness[0])
         if widths[-1] > most:
             raise NoBound("too wide")
@@ -71,7 +71,7 @@ def test_classes_without_a_bound_together_are_bounded_apart(monkeypatch):
 
 
 def test_what_is_not_covered_is_named(monkeypatch):
-    def refused(form, group, found, boxes):
+    def refused(form, group, found, boxes, progress):
         raise NoBound("coats of pumpkin")
 
     monkeypatch.setattr(module, "upper_bounds", refused)

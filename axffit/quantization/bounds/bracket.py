@@ -95,7 +95,13 @@ def bracket(form: Form, texels: TexelClass) -> dict[Kind, Bracket]:
     return {kind: Bracket(found[kind], proved[kind].value, proved[kind].boxes) for kind in KINDS}
 
 
-def upper_bounds(form: Form, group: Group, found: Mapping[Kind, float], most: int = MOST_BOXES) -> dict[Kind, Bounds]:
+def upper_bounds(
+    form: Form,
+    group: Group,
+    found: Mapping[Kind, float],
+    most: int = MOST_BOXES,
+    progress: Callable[[float], None] = lambda fraction: None,
+) -> dict[Kind, Bounds]:
     """Bounds of many classes beside errors that were found elsewhere, the material's largest.
 
     Args:
@@ -103,6 +109,7 @@ def upper_bounds(form: Form, group: Group, found: Mapping[Kind, float], most: in
         group: the classes, however many.
         found: bounds are lowered to 1.3 times these, no further; where classes must be taken apart, to twice these.
         most: boxes to evaluate for one definition; the bound is what they give.
+        progress: called with the part that is done.
 
     Returns:
         `Bounds` for each of the two definitions of `bracket`.
@@ -112,9 +119,10 @@ def upper_bounds(form: Form, group: Group, found: Mapping[Kind, float], most: in
     """
     problem = _searched(form, group.texels).problem
     bounds = {}
-    for kind in KINDS:
+    for number, kind in enumerate(KINDS):
         target, near = (max(times * found[kind], LEAST) for times in (WIDE, NEAR))
-        bounds[kind] = descend(problem, group, kind, target, near, most)
+        steps = lambda done, k=number: progress((k + done) / len(KINDS))  # noqa: E731
+        bounds[kind] = descend(problem, group, kind, target, near, most, steps)
     return bounds
 
 

@@ -58,7 +58,15 @@ class Problem:
         return side_scale(self.domain, self.weights)
 
 
-def descend(problem: Problem, group: Group, kind: Kind, target: float, near: float, most: int) -> Bounds:
+def descend(
+    problem: Problem,
+    group: Group,
+    kind: Kind,
+    target: float,
+    near: float,
+    most: int,
+    progress: Callable[[float], None] = lambda fraction: None,
+) -> Bounds:
     """Upper bound of an error over all directions and all classes of a group.
 
     Args:
@@ -68,6 +76,7 @@ def descend(problem: Problem, group: Group, kind: Kind, target: float, near: flo
         target: boxes at or below it are not looked at further, as long as all classes are looked at together.
         near: nor are those at or below this, once classes are taken apart.
         most: boxes to evaluate, by about those of two halves.
+        progress: called with the part of ``most`` that is done; at the end with 1.
     """
 
     def searched(part: Problem, ends: Ends, enough: float, budget: int) -> Rest:
@@ -80,6 +89,7 @@ def descend(problem: Problem, group: Group, kind: Kind, target: float, near: flo
     done, boxes = max(rest.done, float(rest.values[~far].max(initial=0.0))), rest.boxes
     open_ = [(-rest.worst, next(order), group, problem, rest.ends[..., far])]
     while open_ and -open_[0][0] > near and boxes < most:
+        progress(boxes / most)
         _, _, group, problem, ends = heapq.heappop(open_)
         halves = group.halves()
         with np.errstate(all="ignore"):
@@ -89,6 +99,7 @@ def descend(problem: Problem, group: Group, kind: Kind, target: float, near: flo
                 rest = searched(part, left, near, STEP)
                 done, boxes = max(done, rest.done), boxes + rest.boxes
                 heapq.heappush(open_, (-rest.worst, next(order), half, part, rest.ends))
+    progress(1.0)
     return Bounds(max(done, -open_[0][0] if open_ else 0.0), boxes)
 
 

@@ -135,7 +135,8 @@ class Peaks:
         near = [tuple(np.roll(s.reshape(shape), step, axis=(0, 1)).reshape(-1) for s in slopes) for step in steps]
         tries = [tuple(part * s for s in slopes) for part in STRETCH[1:]] + near
         if not coat.aligned:
-            tries += [_between(views, coat.frame(given).normal, share) for share in SHARES]
+            normal = coat.frame(given).normal
+            tries += [_between(views, normal, share) for share in SHARES]
         tries.append(tuple(np.zeros_like(s) for s in slopes))
         for attempt in tries:
             mirror = not np.any(attempt[0]) and not np.any(attempt[1])

@@ -96,11 +96,10 @@ class WholeErrors:
 
     def __init__(self, form: Form, texels: TexelClass):
         """Everything but the peaks, see `prove_peaks`."""
-        self.form = form
         aligned = form.coat is None or texels.gap == (0.0, 0.0)
         self._set_lowest(form, texels, aligned=aligned)
         self.coat = Coat(form.coat, aligned=aligned, lowest=self.lowest_below)
-        self._set_texels(texels)
+        self._set_texels(form, texels)
         paint = form.paint
         self.table = None if paint is None else TableBounds(paint.colors, paint.colors_after, paint.channels)
         self.turning = self.model.isotropic and aligned
@@ -112,12 +111,11 @@ class WholeErrors:
     def narrowed(self, texels: TexelClass) -> "WholeErrors":
         """The same for a class within this one: with its sides and peaks, which hold for every part of it."""
         part = copy(self)
-        part._set_texels(texels)
+        part._set_texels(self.model.form, texels)
         return part
 
-    def _set_texels(self, texels: TexelClass) -> None:
+    def _set_texels(self, form: Form, texels: TexelClass) -> None:
         """The class's ranges, and how far directions below the coat may move: each on its own, and both together."""
-        form = self.form
         self.texels, self.model = texels, Model(form, texels)
         self.ranges = {name: getattr(texels, name) for name in PARAMETERS if getattr(texels, name) is not None}
         if self.model.isotropic or self.coat.aligned:

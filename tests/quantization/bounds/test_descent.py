@@ -8,6 +8,7 @@ import pytest
 from axffit import brdf
 from axffit.quantization.bounds import Form, Group, TexelClass, bracket, hull, upper_bounds
 from axffit.quantization.bounds.coat import coat_frame
+from axffit.quantization.bounds.descent import Problem, descend
 from axffit.quantization.bounds.intervals import Interval
 from axffit.quantization.bounds.pairs import cosine_between
 from axffit.quantization.tolerances import KINDS, Kind
@@ -37,6 +38,38 @@ def test_classes_taken_apart_are_not_given_each_others_errors():
     for kind in KINDS:
         assert found[kind] <= apart[kind].value <= 2 * found[kind]
         assert together[kind].value > 3 * found[kind]
+
+
+def problem_of(factor):
+    """One side, on which the error is ``factor`` times the upper end of a box or of the class's roughness."""
+
+    def of(texels):
+        def errors(ends):
+            return factor * np.minimum(ends[0, 1], texels.roughness[1])
+
+        return Problem(dict.fromkeys(KINDS, (errors, None)), np.array([[[0.0], [1.0]]]), 1.0, of)
+
+    return of(ROUGH)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_classes_are_taken_apart_only_above_what_is_near_enough(kind):
+    def refused():
+        raise AssertionError("the group was taken apart")
+
+    told = []
+    group = Group(ROUGH, refused)
+    assert descend(problem_of(1.0), group, kind, 0.1, 0.5, 10**6).value == 0.5
+    with pytest.raises(AssertionError, match="taken apart"):
+        descend(problem_of(1.01), group, kind, 0.1, 0.5, 10**6)
+    parts = [replace(ROUGH, roughness=(0.1, 0.1)), replace(ROUGH, roughness=(0.3, 0.3))]
+    group = Group(ROUGH, lambda: (Group(parts[0]), Group(parts[1])))
+    # What the whole was done with below 0.5 stays at what it was.
+    assert 0.303 <= descend(problem_of(1.01), group, kind, 0.1, 0.5, 10**6, told.append).value <= 0.5
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+    # Where the budget ends first, what is left counts.
+    assert descend(problem_of(2.0), Group(ROUGH), kind, 0.1, 0.5, 1000).value == 1.0
 
 
 def unit(rng, count):
