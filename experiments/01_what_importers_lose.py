@@ -63,7 +63,7 @@ def plot(data: dict[str, Any], file: Path) -> None:
             column, row, f"{value:.2g}", ha="center", va="center", fontsize=8, color="black" if value > 1.0 else "white"
         )
     axes.set_xticks(range(len(TARGETS)), list(TARGETS), fontsize=8)
-    axes.set_yticks(range(len(values)), [name.removesuffix(" (synthetic)") for name in data["materials"]], fontsize=8)
+    axes.set_yticks(range(len(values)), [name.replace(" (synthetic)", "") for name in data["materials"]], fontsize=8)
     figure.colorbar(image, label="dE2000, 99 % of the pixels")
     figure.savefig(file, dpi=90, metadata={"Software": None})
     plt.close(figure)
