@@ -159,9 +159,12 @@ def bound(
         values = errors(ends)
         done, count = 0.0, ends.shape[-1]
         budget += count - 1
-        while (open_ := values > target).any() and count < (MOST if values.max() > loose else budget):
+        while True:
+            open_ = values > target
             done = max(done, float(values[~open_].max(initial=0.0)))
             ends, values = ends[..., open_], values[open_]
+            if not open_.any() or count >= (MOST if values.max() > loose else budget):
+                return Rest(done, ends, values, count)
             worst = np.argsort(-values, kind="stable")[:batch]
             before = values[worst] if guide is None else guide(ends[..., worst])
             children = split(guide or errors, ends[..., worst], before, scale)
@@ -172,8 +175,6 @@ def bound(
             alive = new > 0
             ends = np.concatenate([ends[..., keep], children[..., alive]], axis=-1)
             values = np.concatenate([values[keep], new[alive]])
-        open_ = values > target
-    return Rest(max(done, float(values[~open_].max(initial=0.0))), ends[..., open_], values[open_], count)
 
 
 def split(guide: Function, ends: Ends, before: np.ndarray, scale: np.ndarray) -> Ends:
